@@ -1,0 +1,7 @@
+//! sungaze
+
+pub mod error;
+pub mod frames;
+pub mod light;
+pub mod spectrum;
+pub mod units;
