@@ -83,3 +83,140 @@ impl Bands {
         self.0.is_empty()
     }
 }
+
+/// A function of wavelength at every nanometre from [`Curve::FROM`] to [`Curve::TO`]; zero outside. Each value
+/// stands for the nanometre around its wavelength.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve(pub Vec<f64>);
+
+impl Curve {
+    /// First wavelength, nm: where the published cone fundamentals begin.
+    pub const FROM: usize = 390;
+    /// Last wavelength, nm.
+    pub const TO: usize = 830;
+
+    /// The wavelengths of the grid, nm.
+    pub fn wavelengths() -> impl Iterator<Item = f64> {
+        (Self::FROM..=Self::TO).map(|nm| nm as f64)
+    }
+
+    /// The function sampled at every wavelength of the grid.
+    pub fn sampled(f: impl FnMut(f64) -> f64) -> Self {
+        Curve(Self::wavelengths().map(f).collect())
+    }
+
+    /// The value at a wavelength of the grid; zero elsewhere.
+    pub fn at(&self, nm: usize) -> f64 {
+        nm.checked_sub(Self::FROM).and_then(|i| self.0.get(i)).copied().unwrap_or(0.0)
+    }
+
+    /// The pointwise product.
+    pub fn times(&self, other: &Curve) -> Curve {
+        Curve(self.0.iter().zip(&other.0).map(|(a, b)| a * b).collect())
+    }
+
+    /// The curve times a number.
+    pub fn scaled(&self, factor: f64) -> Curve {
+        Curve(self.0.iter().map(|v| v * factor).collect())
+    }
+
+    /// The largest value.
+    pub fn peak(&self) -> f64 {
+        self.0.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Integral over wavelength, nm.
+    pub fn integral(&self) -> f64 {
+        self.0.iter().sum()
+    }
+
+    /// The wavelength of the largest value and the full width at half of it, nm, between samples by straight lines.
+    pub fn peak_and_width(&self) -> (f64, f64) {
+        let (top, peak) =
+            self.0.iter().enumerate().fold((0, 0.0), |best, (i, &v)| if v > best.1 { (i, v) } else { best });
+        let half = peak / 2.0;
+        let crossing = |inside: usize, outside: usize| {
+            let (a, b) = (self.0[inside], self.0[outside]);
+            inside as f64 + (outside as f64 - inside as f64) * (a - half) / (a - b)
+        };
+        let below = (0..top).rev().find(|&i| self.0[i] < half).map_or(0.0, |i| crossing(i + 1, i));
+        let above = (top..self.0.len()).find(|&i| self.0[i] < half).map_or(f64::NAN, |i| crossing(i - 1, i));
+        ((Self::FROM + top) as f64, above - below)
+    }
+
+    /// Integral of the curve over each band, nm: its weights for light that is known by its mean over the band.
+    pub fn over(&self, bands: &Bands) -> Vec<f64> {
+        bands.as_slice().iter().map(|band| self.between(band.low, band.high)).collect()
+    }
+
+    fn between(&self, low: f64, high: f64) -> f64 {
+        let overlap = |nm: f64| ((nm + 0.5).min(high) - (nm - 0.5).max(low)).max(0.0);
+        Self::wavelengths().zip(&self.0).map(|(nm, v)| v * overlap(nm)).sum()
+    }
+}
+
+/// A published table as it stands in `data/`: rising wavelengths in the first column.
+#[derive(Clone, Debug)]
+pub struct Table {
+    pub wavelengths: Vec<f64>,
+    columns: Vec<Vec<f64>>,
+    names: Vec<String>,
+}
+
+impl Table {
+    /// Reads one of our own tables. Lines that begin with `#` name its source; the next holds the column names.
+    fn embedded(text: &str) -> Table {
+        let mut lines = text.lines().filter(|line| !line.starts_with('#'));
+        let names: Vec<String> = lines.next().unwrap_or_default().split(',').map(str::to_owned).collect();
+        let mut columns = vec![Vec::new(); names.len()];
+        for line in lines {
+            for (column, cell) in columns.iter_mut().zip(line.split(',')) {
+                column.push(cell.trim().parse().unwrap_or(f64::NAN));
+            }
+        }
+        Table { wavelengths: columns[0].clone(), columns, names }
+    }
+
+    /// A column by its name; empty if there is none.
+    pub fn column(&self, name: &str) -> &[f64] {
+        self.names.iter().position(|n| n == name).map_or(&[], |i| &self.columns[i])
+    }
+
+    /// Straight-line interpolation in a column; the end values go on outside.
+    pub fn interpolated(&self, name: &str, nm: f64) -> f64 {
+        let (x, y) = (&self.wavelengths, self.column(name));
+        let i = x.partition_point(|&w| w <= nm);
+        match i {
+            0 => y[0],
+            i if i == x.len() => y[i - 1],
+            i => y[i - 1] + (y[i] - y[i - 1]) * (nm - x[i - 1]) / (x[i] - x[i - 1]),
+        }
+    }
+}
+
+macro_rules! tables {
+    ($($(#[$doc:meta])* $name:ident = $file:literal;)*) => {$(
+        $(#[$doc])*
+        pub static $name: std::sync::LazyLock<Table> =
+            std::sync::LazyLock::new(|| Table::embedded(include_str!(concat!("../data/", $file))));
+    )*};
+}
+
+tables! {
+    /// CIE 170-1:2006: log10 absorbances, lens and macular density, the tabulated 10-degree fundamentals.
+    CONE_PIECES = "cone_pieces.csv";
+    /// CIE 1964 10-degree colour-matching functions.
+    CIE1964 = "cie1964_10deg.csv";
+    /// CIE 1931 2-degree colour-matching functions.
+    CIE1931 = "cie1931_2deg.csv";
+    /// CIE standard illuminant D65, relative.
+    D65 = "d65.csv";
+    /// Spectral primary decomposition of sRGB (Mallett & Yuksel 2019).
+    SRGB_BASIS = "mallett_yuksel_2019.csv";
+    /// Stiles-Crawford p(lambda), mm^-2 (after Berendschot et al. 2001).
+    STILES_CRAWFORD = "stiles_crawford.csv";
+    /// Extraterrestrial solar irradiance, W m^-2 nm^-1 (ASTM G173-03).
+    SOLAR = "solar_etr.csv";
+    /// CIE 1951 scotopic luminous efficiency.
+    SCOTOPIC = "scotopic.csv";
+}

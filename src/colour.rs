@@ -1,0 +1,94 @@
+//! Three by three matrices between colour spaces.
+
+use crate::light::Primaries;
+
+/// A matrix, rows first.
+pub type Matrix = [[f64; 3]; 3];
+
+/// The identity.
+pub const IDENTITY: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// Matrix times vector.
+pub fn apply(m: &Matrix, v: [f64; 3]) -> [f64; 3] {
+    m.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
+}
+
+/// Matrix product a b.
+pub fn product(a: &Matrix, b: &Matrix) -> Matrix {
+    a.map(|row| [0, 1, 2].map(|j| row[0] * b[0][j] + row[1] * b[1][j] + row[2] * b[2][j]))
+}
+
+/// Every entry times a number.
+pub fn scaled(m: &Matrix, factor: f64) -> Matrix {
+    m.map(|row| row.map(|v| v * factor))
+}
+
+/// The inverse; entries are not finite if there is none.
+pub fn inverse(m: &Matrix) -> Matrix {
+    let minor = |i: usize, j: usize| {
+        let (a, b) = ((i + 1) % 3, (i + 2) % 3);
+        let (c, d) = ((j + 1) % 3, (j + 2) % 3);
+        m[a][c] * m[b][d] - m[a][d] * m[b][c]
+    };
+    let determinant: f64 = (0..3).map(|j| m[0][j] * minor(0, j)).sum();
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| minor(j, i) / determinant))
+}
+
+/// Linear RGB in these primaries -> CIE 1931 XYZ, Y of white 1. `None` if they span no gamut.
+pub fn rgb_to_xyz(primaries: &Primaries) -> Option<Matrix> {
+    let tristimulus = |[x, y]: [f64; 2]| [x / y, 1.0, (1.0 - x - y) / y];
+    let columns = [primaries.red, primaries.green, primaries.blue].map(tristimulus);
+    let m = [0, 1, 2].map(|i| [0, 1, 2].map(|j| columns[j][i]));
+    let share = apply(&inverse(&m), tristimulus(primaries.white));
+    let rgb = m.map(|row| [0, 1, 2].map(|j| row[j] * share[j]));
+    let sound = rgb.iter().chain(&inverse(&rgb)).flatten().all(|v| v.is_finite());
+    sound.then_some(rgb)
+}
+
+/// Linear RGB in these primaries -> linear sRGB, without chromatic adaptation.
+pub fn to_rec709(primaries: &Primaries) -> Option<Matrix> {
+    if *primaries == Primaries::REC709 {
+        return Some(IDENTITY);
+    }
+    let rec709 = rgb_to_xyz(&Primaries::REC709)?;
+    Some(product(&inverse(&rec709), &rgb_to_xyz(primaries)?))
+}
+
+/// Chromaticity x, y of XYZ; NaN in the dark.
+pub fn chromaticity(xyz: [f64; 3]) -> [f64; 2] {
+    let sum: f64 = xyz.iter().sum();
+    [xyz[0] / sum, xyz[1] / sum]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rec709_has_the_luminance_weights_of_its_standard() {
+        let m = rgb_to_xyz(&Primaries::REC709).unwrap();
+        for (ours, standard) in m[1].iter().zip([0.2126, 0.7152, 0.0722]) {
+            assert!((ours - standard).abs() < 5e-5);
+        }
+    }
+
+    #[test]
+    fn acescg_goes_to_rec709_and_back() {
+        let ap1 =
+            Primaries { red: [0.713, 0.293], green: [0.165, 0.830], blue: [0.128, 0.044], white: [0.32168, 0.33767] };
+        let there = to_rec709(&ap1).unwrap();
+        let round = product(&inverse(&there), &there);
+        for (i, row) in round.iter().enumerate() {
+            for (j, v) in row.iter().enumerate() {
+                assert!((v - IDENTITY[i][j]).abs() < 1e-12);
+            }
+        }
+        assert!(there[0][1] < 0.0, "a green of ACEScg lies outside Rec. 709");
+    }
+
+    #[test]
+    fn primaries_on_one_line_span_no_gamut() {
+        let flat = Primaries { red: [0.2, 0.2], green: [0.3, 0.3], blue: [0.4, 0.4], white: [0.3, 0.3] };
+        assert_eq!(rgb_to_xyz(&flat), None);
+    }
+}
