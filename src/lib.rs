@@ -1,5 +1,6 @@
 //! sungaze
 
+pub mod display;
 pub mod error;
 pub mod frames;
 pub mod light;
