@@ -1,10 +1,18 @@
 //! sungaze
 
 pub mod colour;
+pub mod config;
+pub mod constants;
+pub mod display;
 pub mod error;
 pub mod eye;
 pub mod frames;
+pub mod kernel;
+pub mod kinetics;
 pub mod light;
 pub mod percept;
+pub mod retina;
 pub mod spectrum;
+pub mod step;
 pub mod units;
+pub mod viewer;

@@ -8,6 +8,7 @@
 //!   onto the few inner products that the retina and the percept need; those are the planes.
 
 use half::f16;
+use half::slice::HalfFloatSliceExt;
 
 /// Samples of all planes, in the width of the file they came from.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,6 +60,47 @@ impl Planes {
             Samples::Half(v) => v[at].to_f64(),
             Samples::Float(v) => f64::from(v[at]),
         }
+    }
+}
+
+impl Row<'_> {
+    /// The row as single floats, converted into `scratch` where it is stored as half.
+    pub fn as_f32<'a>(&'a self, scratch: &'a mut [f32]) -> &'a [f32] {
+        match self {
+            Row::Float(row) => row,
+            Row::Half(row) => {
+                let scratch = &mut scratch[..row.len()];
+                row.convert_to_f32_slice(scratch);
+                scratch
+            }
+        }
+    }
+}
+
+/// A sample of a picture that can be written.
+pub trait Sample: Copy + Send + Sync {
+    /// Stores a row of floats, limited to what the type can hold; returns how many were limited.
+    fn store(from: &[f32], to: &mut [Self]) -> u64;
+}
+
+impl Sample for f32 {
+    fn store(from: &[f32], to: &mut [f32]) -> u64 {
+        to.copy_from_slice(from);
+        0
+    }
+}
+
+impl Sample for f16 {
+    fn store(from: &[f32], to: &mut [f16]) -> u64 {
+        to.convert_from_f32_slice(from);
+        let mut limited = 0;
+        for (half, &value) in to.iter_mut().zip(from) {
+            if half.is_infinite() {
+                *half = if value > 0.0 { f16::MAX } else { f16::MIN };
+                limited += 1;
+            }
+        }
+        limited
     }
 }
 

@@ -1,6 +1,8 @@
 //! Files in and out. The only room that names `exr` and `image`, and the only one below the program that touches
 //! the disk.
 
+pub mod builtin;
+
 use crate::error::Error;
 use crate::light::{Frame, Planes, Primaries, Projection};
 use crate::spectrum::Bands;

@@ -1,0 +1,161 @@
+//! Values that have the right type and are wrong all the same.
+
+use super::Wrong;
+use super::settings::{Aim, PupilKey, Settings, Steep};
+
+type Check = Result<(), Wrong>;
+
+/// Checks every key's range and the keys that exclude each other. The first fault is returned.
+pub(super) fn check(s: &Settings) -> Check {
+    input(s)?;
+    time(s)?;
+    observer(s)?;
+    within("gaze.fovea_deg", s.gaze.fovea_deg, f64::MIN_POSITIVE, 180.0)?;
+    within("gaze.surround_cd_m2", s.gaze.surround_cd_m2, 0.0, 1e12)?;
+    if let Aim::At(at) = s.gaze.at {
+        point("gaze.at", at)?;
+    }
+    within("numerics.budget", s.numerics.budget, f64::MIN_POSITIVE, 1.0)?;
+    within("numerics.substeps", f64::from(s.numerics.substeps), 0.0, 1e6)?;
+    within("display.exposure_ev", s.display.exposure_ev, -100.0, 100.0)?;
+    within("display.white_cd_m2", s.display.white_cd_m2, 1e-6, 1e9)?;
+    within("display.highlights", s.display.highlights, 0.0, 1.0)?;
+    if s.display.smoothing_s.is_nan() || s.display.smoothing_s < 0.0 {
+        return wrong(
+            "display.smoothing_s",
+            s.display.smoothing_s,
+            "0 or more seconds; inf pins the map to the first frame",
+        );
+    }
+    within("output.checkpoint_s", s.output.checkpoint_s, 0.0, 1e9)?;
+    probes(s)
+}
+
+fn input(s: &Settings) -> Check {
+    let input = &s.input;
+    if input.scene.is_some() && input.frames.is_some() {
+        return Err(("input.frames".into(), "excludes input.scene: give one of the two".into()));
+    }
+    if input.frames.is_some() {
+        let of_scene = [
+            ("input.width", input.width.is_some()),
+            ("input.sun_elevation_deg", input.sun_elevation_deg.is_some()),
+            ("input.turbidity", input.turbidity.is_some()),
+            ("input.horizon", input.horizon.is_some()),
+        ];
+        if let Some((key, _)) = of_scene.iter().find(|(_, given)| *given) {
+            return Err(((*key).into(), "belongs to the built-in scene; it has no meaning beside input.frames".into()));
+        }
+        let Some(fov) = input.horizontal_fov_deg else {
+            return Err((
+                "input.horizontal_fov_deg".into(),
+                "is required with input.frames: how many degrees the picture is across".into(),
+            ));
+        };
+        within("input.horizontal_fov_deg", fov, 1e-3, 360.0)?;
+    } else if input.horizontal_fov_deg.is_some() {
+        return Err((
+            "input.horizontal_fov_deg".into(),
+            "belongs to input.frames; the built-in scene is 8 degrees across".into(),
+        ));
+    }
+    optional("input.width", input.width.map(f64::from), 16.0, 16384.0)?;
+    optional("input.sun_elevation_deg", input.sun_elevation_deg, 0.0, 90.0)?;
+    optional("input.turbidity", input.turbidity, 1.0, 20.0)?;
+    optional("input.white_cd_m2", input.white_cd_m2, 1e-9, 1e12)?;
+    within("input.scale", input.scale, 1e-30, 1e30)?;
+    within("input.max_pixels", input.max_pixels as f64, 1.0, 1e12)
+}
+
+fn time(s: &Settings) -> Check {
+    let t = &s.time;
+    let given = [
+        ("time.fps", t.fps.is_some()),
+        ("time.interval_s", t.interval_s.is_some()),
+        ("time.times_s", t.times_s.is_some()),
+    ];
+    let mut ways = given.iter().filter(|(_, given)| *given);
+    if let (Some((first, _)), Some((second, _))) = (ways.next(), ways.next()) {
+        return Err(((*second).into(), format!("excludes {first}: give one of fps, interval_s and times_s")));
+    }
+    optional("time.fps", t.fps, 1e-9, 1e9)?;
+    optional("time.interval_s", t.interval_s, 1e-9, 1e9)?;
+    optional("time.duration_s", t.duration_s, 1e-9, 1e9)?;
+    let Some(times) = &t.times_s else { return Ok(()) };
+    if times.first() != Some(&0.0) || times.windows(2).any(|w| w[0] >= w[1]) || times.iter().any(|t| !t.is_finite()) {
+        return Err(("time.times_s".into(), format!("found {times:?}; accepted: seconds that begin at 0 and rise")));
+    }
+    Ok(())
+}
+
+fn observer(s: &Settings) -> Check {
+    let o = &s.observer;
+    if ![2, 10].contains(&o.field_deg) {
+        return wrong("observer.field_deg", o.field_deg, "10, 2");
+    }
+    if ![1, 2].contains(&o.eyes) {
+        return wrong("observer.eyes", o.eyes, "1, 2");
+    }
+    match (o.pupil, o.pupil_mm) {
+        (PupilKey::Fixed, None) => {
+            return Err(("observer.pupil_mm".into(), "is required with observer.pupil = \"fixed\"".into()));
+        }
+        (PupilKey::Fixed, mm) => optional("observer.pupil_mm", mm, 0.1, 20.0)?,
+        (_, Some(_)) => return Err(("observer.pupil_mm".into(), "belongs to observer.pupil = \"fixed\"".into())),
+        (_, None) => {}
+    }
+    within("observer.age", o.age, 5.0, 120.0)?;
+    within("observer.pupil_delay_s", o.pupil_delay_s, 0.0, 60.0)?;
+    within("observer.pupil_closing_s", o.pupil_closing_s, 0.0, 60.0)?;
+    within("observer.pupil_opening_s", o.pupil_opening_s, 0.0, 60.0)?;
+    if let Steep::Constant(p) = o.stiles_crawford_p {
+        within("observer.stiles_crawford_p", p, 0.0, 1.0)?;
+    }
+    within("observer.mm_per_degree", o.mm_per_degree, 0.0, 10.0)?;
+    within("observer.km", o.km, 0.01, 100.0)?;
+    triple("observer.half_bleach_log_td", o.half_bleach_log_td, -3.0, 12.0)?;
+    triple("observer.tau_s", o.tau_s, 1e-3, 1e6)?;
+    o.optical_density.map_or(Ok(()), |d| triple("observer.optical_density", d, 1e-3, 0.5))
+}
+
+fn probes(s: &Settings) -> Check {
+    for (i, probe) in s.output.probe.iter().enumerate() {
+        point("output.probe.at", probe.at)?;
+        let unprintable = probe.name.is_empty() || probe.name.contains([',', '"', '\n', '\r']);
+        if unprintable || s.output.probe[..i].iter().any(|other| other.name == probe.name) {
+            return wrong(
+                "output.probe.name",
+                &probe.name,
+                "a name of its own, without commas, quotes and line breaks",
+            );
+        }
+    }
+    Ok(())
+}
+
+fn wrong(key: &str, found: impl std::fmt::Display, accepted: &str) -> Check {
+    Err((key.into(), format!("found {found}; accepted: {accepted}")))
+}
+
+fn within(key: &str, value: f64, low: f64, high: f64) -> Check {
+    if (low..=high).contains(&value) {
+        return Ok(());
+    }
+    let low = if low == f64::MIN_POSITIVE { "more than 0".into() } else { format!("{low}") };
+    wrong(key, value, &format!("{low} to {high}"))
+}
+
+fn optional(key: &str, value: Option<f64>, low: f64, high: f64) -> Check {
+    value.map_or(Ok(()), |v| within(key, v, low, high))
+}
+
+fn triple(key: &str, values: [f64; 3], low: f64, high: f64) -> Check {
+    values.into_iter().try_for_each(|v| within(key, v, low, high))
+}
+
+fn point(key: &str, at: [f64; 2]) -> Check {
+    if at.iter().all(|v| (0.0..=1.0).contains(v)) {
+        return Ok(());
+    }
+    wrong(key, format!("{at:?}"), "fractions of width and height, 0 to 1")
+}

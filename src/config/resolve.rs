@@ -1,0 +1,180 @@
+//! Settings -> the things they name.
+
+use std::path::PathBuf;
+
+use crate::display::{Ceiling, Display, Tone};
+use crate::error::Result;
+use crate::eye::{Directional, Dynamics, Field, Narrowing, Observer, Reading, Rule, Set, Steepness};
+use crate::frames::{ChannelNames, Negative, NonFinite, Quantity, ReadOptions, Wanted};
+use crate::kinetics::{Kinetics, Law};
+use crate::step::Method;
+use crate::units::{Degrees, Millimetres, Nits, Seconds, Trolands};
+
+use super::Config;
+use super::settings::*;
+
+impl Config {
+    /// The observer of `[observer]`.
+    pub fn observer(&self) -> Observer {
+        let o = &self.settings.observer;
+        let set = match o.fundamentals {
+            SetKey::Cie2006 => Set::Cie2006,
+            SetKey::Smj1993 => Set::Smj1993,
+        };
+        let field = if o.field_deg == 2 { Field::TwoDegrees } else { Field::TenDegrees };
+        let narrowing = match o.narrowing {
+            NarrowingKey::Depleted => Narrowing::Depleted,
+            NarrowingKey::Narrowed => Narrowing::Narrowed,
+        };
+        let density = o.optical_density.unwrap_or_else(|| set.optical_density(field));
+        let mut observer = Observer::new(set, field, density, narrowing, self.directional());
+        observer.pupil = self.pupil();
+        observer.dynamics = Dynamics {
+            delay: Seconds(o.pupil_delay_s),
+            closing: Seconds(o.pupil_closing_s),
+            opening: Seconds(o.pupil_opening_s),
+        };
+        observer.fovea = Degrees(self.settings.gaze.fovea_deg);
+        observer
+    }
+
+    fn directional(&self) -> Directional {
+        let o = &self.settings.observer;
+        let reading = match o.stiles_crawford {
+            DirectionalKey::Pupil => Reading::Pupil,
+            DirectionalKey::Paper => Reading::Paper { mm_per_degree: o.mm_per_degree },
+            DirectionalKey::Off => Reading::Off,
+        };
+        let steepness = match o.stiles_crawford_p {
+            Steep::Word(SteepWord::Measured) => Steepness::Measured,
+            Steep::Word(SteepWord::LensCorrected) => Steepness::LensCorrected,
+            Steep::Constant(p) => Steepness::Constant(p),
+        };
+        Directional::new(reading, steepness)
+    }
+
+    fn pupil(&self) -> Rule {
+        let o = &self.settings.observer;
+        match o.pupil {
+            PupilKey::WatsonYellott => Rule::WatsonYellott { age: o.age, eyes: o.eyes },
+            PupilKey::MoonSpencer => Rule::MoonSpencer,
+            PupilKey::MoonSpencerAsPrinted => Rule::MoonSpencerAsPrinted,
+            PupilKey::DeGrootGebhard => Rule::DeGrootGebhard,
+            PupilKey::DeGrootGebhardAsPrinted => Rule::DeGrootGebhardAsPrinted,
+            PupilKey::Fixed => Rule::Fixed(Millimetres(o.pupil_mm.unwrap_or_default())),
+        }
+    }
+
+    /// The kinetics of the L, M and S cones.
+    pub fn pigments(&self) -> [Kinetics; 3] {
+        let o = &self.settings.observer;
+        [0, 1, 2].map(|k| Kinetics {
+            law: match o.kinetics {
+                LawKey::FirstOrder => Law::FirstOrder,
+                LawKey::SelfScreened => Law::self_screened(self.optical_density()[k]),
+                LawKey::RateLimited => Law::RateLimited { km: o.km },
+            },
+            half_bleach: Trolands(10f64.powf(o.half_bleach_log_td[k])),
+            tau: Seconds(o.tau_s[k]),
+        })
+    }
+
+    fn optical_density(&self) -> [f64; 3] {
+        let o = &self.settings.observer;
+        let field = if o.field_deg == 2 { Field::TwoDegrees } else { Field::TenDegrees };
+        let set = if o.fundamentals == SetKey::Smj1993 { Set::Smj1993 } else { Set::Cie2006 };
+        o.optical_density.unwrap_or_else(|| set.optical_density(field))
+    }
+
+    /// The row of the method table that `numerics.method` names.
+    pub fn method(&self) -> Result<&'static Method> {
+        let name = &self.settings.numerics.method;
+        Method::named(name).ok_or_else(|| {
+            let names: Vec<_> = crate::step::METHODS.iter().map(|m| m.name).collect();
+            self.wrong("numerics.method", format!("found {name:?}; accepted: {}", names.join(", ")))
+        })
+    }
+
+    /// The display of `[display]`.
+    pub fn display(&self) -> Display {
+        let d = &self.settings.display;
+        let ceiling = match d.ceiling {
+            CeilingKey::Human => Ceiling::Human,
+            CeilingKey::Linear => Ceiling::Linear,
+        };
+        Display {
+            white: Nits(d.white_cd_m2),
+            tone: match d.tone {
+                ToneKey::Ward => Tone::Ward(ceiling),
+                ToneKey::Exposure => Tone::Exposure { ev: d.exposure_ev },
+            },
+            smoothing: Seconds(d.smoothing_s),
+            highlights: d.highlights,
+        }
+    }
+
+    /// How the files of `[input]` are to be read.
+    pub fn read_options(&self) -> Result<ReadOptions> {
+        let input = &self.settings.input;
+        Ok(ReadOptions {
+            wanted: match input.kind {
+                FileKind::Auto => Wanted::Auto,
+                FileKind::Rgb => Wanted::Rgb,
+                FileKind::Spectral => Wanted::Spectral,
+            },
+            layer: input.layer.clone(),
+            scale: input.scale,
+            quantity: match input.quantity {
+                QuantityKey::Density => Quantity::Density,
+                QuantityKey::BandIntegral => Quantity::BandIntegral,
+            },
+            channels: self.channel_names()?,
+            non_finite: match input.non_finite {
+                NonFiniteKey::Error => NonFinite::Error,
+                NonFiniteKey::Clamp => NonFinite::Clamp,
+            },
+            negative: match input.negative {
+                NegativeKey::Keep => Negative::Keep,
+                NegativeKey::Clamp => Negative::Clamp,
+            },
+            max_pixels: input.max_pixels,
+        })
+    }
+
+    fn channel_names(&self) -> Result<ChannelNames> {
+        let input = &self.settings.input;
+        match (&input.channels, input.bands_nm) {
+            (None, None) => Ok(ChannelNames::Recognised),
+            (Some(Channels::Pattern(pattern)), Some(BandRange { from, to })) if pattern.contains("{index}") => {
+                if !(from > 0.0 && from < to && to < 1e5) {
+                    return Err(self
+                        .wrong("input.bands_nm", format!("found {from} to {to}; accepted: rising wavelengths in nm")));
+                }
+                Ok(ChannelNames::Index { pattern: pattern.clone(), from, to })
+            }
+            (Some(Channels::Pattern(pattern)), None) if pattern.contains("{nm}") => {
+                Ok(ChannelNames::Wavelength(pattern.clone()))
+            }
+            (Some(Channels::Pattern(pattern)), _) => Err(self.wrong(
+                "input.channels",
+                format!(
+                    "found {pattern:?}; accepted: a pattern with {{nm}}, or one with {{index}} beside input.bands_nm"
+                ),
+            )),
+            (Some(Channels::Listed(list)), None) => {
+                let row = |c: &Channel| (c.name.clone(), c.centre_nm, c.width_nm);
+                Ok(ChannelNames::Listed(list.iter().map(row).collect()))
+            }
+            (_, Some(_)) => Err(self.wrong("input.bands_nm", "belongs to input.channels with {index}")),
+        }
+    }
+
+    /// `input.frames` as patterns, made relative to the configuration.
+    pub fn frame_patterns(&self) -> Option<Vec<PathBuf>> {
+        let names = match self.settings.input.frames.as_ref()? {
+            OneOrMany::One(name) => std::slice::from_ref(name),
+            OneOrMany::Many(names) => names,
+        };
+        Some(names.iter().map(|name| self.path(name)).collect())
+    }
+}

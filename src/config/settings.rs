@@ -1,0 +1,374 @@
+//! The configuration as it is written: one struct a section, one field a key. The names are a contract.
+
+use serde::{Deserialize, Serialize};
+
+/// A whole run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Settings {
+    pub input: Input,
+    pub time: Time,
+    pub gaze: Gaze,
+    pub observer: ObserverKeys,
+    pub numerics: Numerics,
+    pub display: DisplayKeys,
+    pub output: Output,
+    /// `[sweep]`, for `sungaze sweep` alone.
+    #[serde(skip_serializing)]
+    pub sweep: Option<toml::Table>,
+}
+
+/// Closed sets of words: the error lists them.
+macro_rules! words {
+    ($($(#[$doc:meta])* $name:ident { $($variant:ident),* } default $default:ident)*) => {$(
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+        #[serde(rename_all = "kebab-case")]
+        pub enum $name { $($variant),* }
+
+        impl Default for $name {
+            fn default() -> Self {
+                $name::$default
+            }
+        }
+    )*};
+}
+
+words! {
+    /// The built-in scene.
+    Scene { Sunset } default Sunset
+    /// What lies under its horizon.
+    Horizon { Sea, Land } default Sea
+    /// `input.kind`.
+    FileKind { Auto, Rgb, Spectral } default Auto
+    /// `input.quantity`.
+    QuantityKey { Density, BandIntegral } default Density
+    /// `input.missing`.
+    Missing { Error, Hold } default Error
+    /// `input.non_finite`.
+    NonFiniteKey { Error, Clamp } default Error
+    /// `input.negative`.
+    NegativeKey { Keep, Clamp } default Keep
+    /// `observer.preset`.
+    Preset { Standard, Paper } default Standard
+    /// `observer.fundamentals`; `smj1993` is the paper's.
+    SetKey { Cie2006, Smj1993 } default Cie2006
+    /// `observer.pupil`.
+    PupilKey { WatsonYellott, MoonSpencer, MoonSpencerAsPrinted, DeGrootGebhard, DeGrootGebhardAsPrinted, Fixed } default WatsonYellott
+    /// `observer.stiles_crawford`.
+    DirectionalKey { Pupil, Paper, Off } default Pupil
+    /// `observer.kinetics`.
+    LawKey { FirstOrder, SelfScreened, RateLimited } default FirstOrder
+    /// `observer.narrowing`.
+    NarrowingKey { Depleted, Narrowed } default Depleted
+    /// `numerics.model`.
+    ModelKey { Auto, None, Steady, Tracked } default Auto
+    /// `display.tone`.
+    ToneKey { Ward, Exposure } default Ward
+    /// `display.ceiling`.
+    CeilingKey { Human, Linear } default Human
+    /// `output.seen`.
+    SeenKey { Exr, None } default Exr
+    /// `output.display`.
+    DisplayFile { Png, None } default Png
+    /// `output.state`.
+    StateKey { Every, Last, None } default Last
+    /// `output.compression`.
+    CompressionKey { Auto, None, Rle, Zips, Zip, Piz, Pxr24 } default Auto
+}
+
+/// `[input]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Input {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scene: Option<Scene>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub width: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sun_elevation_deg: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub turbidity: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub horizon: Option<Horizon>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frames: Option<OneOrMany>,
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub range: String,
+    pub kind: FileKind,
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub layer: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub white_cd_m2: Option<f64>,
+    pub scale: f64,
+    pub quantity: QuantityKey,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub channels: Option<Channels>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bands_nm: Option<BandRange>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub horizontal_fov_deg: Option<f64>,
+    pub missing: Missing,
+    pub non_finite: NonFiniteKey,
+    pub negative: NegativeKey,
+    pub max_pixels: u64,
+}
+
+impl Default for Input {
+    fn default() -> Self {
+        Input {
+            scene: None,
+            width: None,
+            sun_elevation_deg: None,
+            turbidity: None,
+            horizon: None,
+            frames: None,
+            range: String::new(),
+            kind: FileKind::Auto,
+            layer: String::new(),
+            white_cd_m2: None,
+            scale: 1.0,
+            quantity: QuantityKey::Density,
+            channels: None,
+            bands_nm: None,
+            horizontal_fov_deg: None,
+            missing: Missing::Error,
+            non_finite: NonFiniteKey::Error,
+            negative: NegativeKey::Keep,
+            max_pixels: 268_435_456,
+        }
+    }
+}
+
+/// A pattern, or a list of files.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "a file name or pattern, or a list of file names")]
+pub enum OneOrMany {
+    One(String),
+    Many(Vec<String>),
+}
+
+/// How unrecognised channel names map to wavelengths.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(
+    untagged,
+    expecting = "a pattern with {nm}, a pattern with {index} beside bands_nm, or a list of { name, centre_nm, width_nm }"
+)]
+pub enum Channels {
+    Pattern(String),
+    Listed(Vec<Channel>),
+}
+
+/// One channel by name.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Channel {
+    pub name: String,
+    pub centre_nm: f64,
+    pub width_nm: f64,
+}
+
+/// The range that indexed bands share evenly.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BandRange {
+    pub from: f64,
+    pub to: f64,
+}
+
+/// `[time]`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Time {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fps: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub interval_s: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub times_s: Option<Vec<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub duration_s: Option<f64>,
+}
+
+/// `[gaze]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Gaze {
+    pub at: Aim,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub path: Option<String>,
+    pub fovea_deg: f64,
+    pub surround_cd_m2: f64,
+}
+
+impl Default for Gaze {
+    fn default() -> Self {
+        Gaze { at: Aim::At([0.5, 0.5]), path: None, fovea_deg: 2.0, surround_cd_m2: 0.0 }
+    }
+}
+
+/// Where the eye looks: a fraction of width and height from the top left, or what it seeks.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "[x, y] as fractions of the picture, \"brightest\" or \"brightest-each\"")]
+pub enum Aim {
+    At([f64; 2]),
+    Seek(Seek),
+}
+
+words! {
+    /// What the gaze seeks: the brightest place of the first frame, or of each.
+    Seek { Brightest, BrightestEach } default Brightest
+}
+
+/// `[observer]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ObserverKeys {
+    pub preset: Preset,
+    pub field_deg: u32,
+    pub fundamentals: SetKey,
+    pub pupil: PupilKey,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub pupil_mm: Option<f64>,
+    pub age: f64,
+    pub eyes: u8,
+    pub pupil_delay_s: f64,
+    pub pupil_closing_s: f64,
+    pub pupil_opening_s: f64,
+    pub stiles_crawford: DirectionalKey,
+    pub stiles_crawford_p: Steep,
+    pub mm_per_degree: f64,
+    pub constants: String,
+    pub kinetics: LawKey,
+    pub half_bleach_log_td: [f64; 3],
+    pub tau_s: [f64; 3],
+    pub km: f64,
+    /// Absent: that of the fundamentals and the field.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub optical_density: Option<[f64; 3]>,
+    pub narrowing: NarrowingKey,
+    pub start: String,
+}
+
+impl Default for ObserverKeys {
+    fn default() -> Self {
+        ObserverKeys {
+            preset: Preset::Standard,
+            field_deg: 10,
+            fundamentals: SetKey::Cie2006,
+            pupil: PupilKey::WatsonYellott,
+            pupil_mm: None,
+            age: 30.0,
+            eyes: 2,
+            pupil_delay_s: 0.0,
+            pupil_closing_s: 0.0,
+            pupil_opening_s: 0.0,
+            stiles_crawford: DirectionalKey::Pupil,
+            stiles_crawford_p: Steep::Word(SteepWord::Measured),
+            mm_per_degree: 0.29,
+            constants: "standard".into(),
+            kinetics: LawKey::FirstOrder,
+            half_bleach_log_td: [4.3, 4.3, 5.0],
+            tau_s: [120.0; 3],
+            km: 0.2,
+            optical_density: None,
+            narrowing: NarrowingKey::Depleted,
+            start: "rested".into(),
+        }
+    }
+}
+
+/// `observer.stiles_crawford_p`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "\"measured\", \"lens-corrected\" or a number in mm^-2")]
+pub enum Steep {
+    Word(SteepWord),
+    Constant(f64),
+}
+
+words! {
+    /// A published curve of p(lambda).
+    SteepWord { Measured, LensCorrected } default Measured
+}
+
+/// `[numerics]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Numerics {
+    pub method: String,
+    pub substeps: u32,
+    pub model: ModelKey,
+    pub budget: f64,
+}
+
+impl Default for Numerics {
+    fn default() -> Self {
+        Numerics { method: "exact".into(), substeps: 0, model: ModelKey::Auto, budget: 1e-3 }
+    }
+}
+
+/// `[display]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct DisplayKeys {
+    pub tone: ToneKey,
+    pub ceiling: CeilingKey,
+    pub exposure_ev: f64,
+    pub white_cd_m2: f64,
+    #[serde(serialize_with = "infinity_as_word")]
+    pub smoothing_s: f64,
+    pub highlights: f64,
+}
+
+/// JSON has no infinity; a pinned map is written as the word that TOML uses.
+fn infinity_as_word<S: serde::Serializer>(value: &f64, out: S) -> Result<S::Ok, S::Error> {
+    if value.is_finite() { out.serialize_f64(*value) } else { out.serialize_str("inf") }
+}
+
+impl Default for DisplayKeys {
+    fn default() -> Self {
+        DisplayKeys {
+            tone: ToneKey::Ward,
+            ceiling: CeilingKey::Human,
+            exposure_ev: 0.0,
+            white_cd_m2: 100.0,
+            smoothing_s: 0.5,
+            highlights: 0.5,
+        }
+    }
+}
+
+/// `[output]`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Output {
+    pub seen: SeenKey,
+    pub display: DisplayFile,
+    pub state: StateKey,
+    pub video: String,
+    pub compression: CompressionKey,
+    pub checkpoint_s: f64,
+    pub probe: Vec<Probe>,
+}
+
+impl Default for Output {
+    fn default() -> Self {
+        Output {
+            seen: SeenKey::Exr,
+            display: DisplayFile::Png,
+            state: StateKey::Last,
+            video: "none".into(),
+            compression: CompressionKey::Auto,
+            checkpoint_s: 30.0,
+            probe: Vec::new(),
+        }
+    }
+}
+
+/// `[[output.probe]]`: a point of the picture traced through time.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Probe {
+    pub name: String,
+    pub at: [f64; 2],
+}

@@ -1,0 +1,74 @@
+//! Where a key stands in the text it was written in.
+
+use toml::de::{DeTable, DeValue};
+
+use crate::error::Error;
+
+/// The text of a configuration and what messages call it.
+#[derive(Clone, Debug)]
+pub(super) struct Source {
+    place: String,
+    text: String,
+}
+
+impl Source {
+    pub(super) fn new(place: &str, text: &str) -> Self {
+        Source { place: place.to_owned(), text: text.to_owned() }
+    }
+
+    /// An error about a dotted key, at its line if the text has it.
+    pub(super) fn error(&self, key: &str, problem: &str) -> Error {
+        let line = DeTable::parse(&self.text).ok().and_then(|table| {
+            let start = start_of(table.get_ref(), key)?;
+            Some(self.line(start))
+        });
+        match line {
+            Some(line) => Error::config(format!("{}:{line}", self.place), key, problem),
+            None => Error::config(&self.place, key, problem),
+        }
+    }
+
+    /// A parser's or a type's error, with its line and key.
+    pub(super) fn explain(&self, error: &toml::de::Error) -> Error {
+        let problem = error.message().replace('\n', "; ");
+        let Some(span) = error.span() else { return Error::config(&self.place, "TOML", problem) };
+        let key = DeTable::parse(&self.text).ok().and_then(|table| key_at(table.get_ref(), span.start));
+        let place = format!("{}:{}", self.place, self.line(span.start));
+        Error::config(place, key.unwrap_or_else(|| "TOML".into()), problem)
+    }
+
+    fn line(&self, offset: usize) -> usize {
+        self.text.bytes().take(offset).filter(|&b| b == b'\n').count() + 1
+    }
+}
+
+/// Byte offset of a dotted key.
+fn start_of(table: &DeTable<'_>, key: &str) -> Option<usize> {
+    let (head, rest) = key.split_once('.').map_or((key, None), |(head, rest)| (head, Some(rest)));
+    let (name, value) = table.iter().find(|(name, _)| name.get_ref() == head)?;
+    let here = Some(name.span().start);
+    match (rest, value.get_ref()) {
+        (Some(rest), DeValue::Table(inner)) => start_of(inner, rest).or(here),
+        (Some(rest), DeValue::Array(list)) => {
+            let inner = list.iter().find_map(|item| start_of(item.get_ref().as_table()?, rest));
+            inner.or(here)
+        }
+        _ => here,
+    }
+}
+
+/// The dotted key whose name or value covers a byte offset.
+fn key_at(table: &DeTable<'_>, offset: usize) -> Option<String> {
+    table.iter().find_map(|(name, value)| {
+        let covers = |span: std::ops::Range<usize>| span.contains(&offset);
+        let deeper = match value.get_ref() {
+            DeValue::Table(inner) => key_at(inner, offset),
+            DeValue::Array(list) => list.iter().find_map(|item| key_at(item.get_ref().as_table()?, offset)),
+            _ => None,
+        };
+        let name_of = |rest: String| format!("{}.{rest}", name.get_ref());
+        deeper
+            .map(name_of)
+            .or_else(|| (covers(name.span()) || covers(value.span())).then(|| name.get_ref().to_string()))
+    })
+}

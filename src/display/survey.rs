@@ -1,0 +1,148 @@
+//! What a tone map needs to know of a frame's unbleached light, gathered row by row while it is decoded.
+//!
+//! A fixation takes in about a degree, so the histogram is one of means over cells of a degree (Ward et al. 1997);
+//! the range is that of single pixels, since a cell would dilute the sun. Luminances in cd/m2.
+
+/// The luminances of one frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Survey {
+    /// Mean luminance of each foveal cell.
+    pub cells: Vec<f32>,
+    /// The darkest pixel that gives light at all; 0 where none does.
+    pub least: f32,
+    /// The brightest pixel; 0 where none gives light.
+    pub greatest: f32,
+    /// Mean of all pixels.
+    pub mean: f64,
+    /// Column and row of the first of the brightest pixels.
+    pub brightest: (usize, usize),
+}
+
+/// How a picture is cut into foveal cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cells {
+    width: usize,
+    height: usize,
+    columns: usize,
+    rows: usize,
+}
+
+/// What one row adds to a survey.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SurveyRow {
+    sum: f64,
+    least: f32,
+    greatest: f32,
+    column: usize,
+    cells: Vec<f64>,
+}
+
+impl Cells {
+    /// Fewer cells than this make a poor histogram; the cells of a narrow field are made smaller than a degree.
+    const ENOUGH: f64 = 1000.0;
+
+    /// Cells of one degree or less, never under one pixel, all of one size within a pixel.
+    pub fn new(width: usize, height: usize, pixels_per_degree: f64) -> Self {
+        let side = pixels_per_degree.min((width as f64 * height as f64 / Self::ENOUGH).sqrt()).max(1.0);
+        let along = |pixels: usize| ((pixels as f64 / side).round() as usize).clamp(1, pixels.max(1));
+        Cells { width, height, columns: along(width), rows: along(height) }
+    }
+
+    /// The first pixel of cell `i` of `count` along a side of `pixels`.
+    fn start(i: usize, count: usize, pixels: usize) -> usize {
+        (i * pixels).div_ceil(count)
+    }
+
+    /// What a row of luminances adds. Negative light counts as none.
+    pub fn row(&self, luminance: &[f32]) -> SurveyRow {
+        let cell = |i: usize| {
+            let end = Self::start(i + 1, self.columns, self.width);
+            let pixels = &luminance[Self::start(i, self.columns, self.width)..end];
+            pixels.iter().map(|v| f64::from(v.max(0.0))).sum::<f64>()
+        };
+        let cells: Vec<f64> = (0..self.columns).map(cell).collect();
+        let least = luminance.iter().map(|&v| if v > 0.0 { v } else { f32::INFINITY }).fold(f32::INFINITY, f32::min);
+        let greatest = luminance.iter().copied().fold(0.0, f32::max);
+        let column = luminance.iter().position(|&v| v == greatest).unwrap_or(0);
+        SurveyRow { sum: cells.iter().sum(), least, greatest, column, cells }
+    }
+
+    /// The survey of a frame from all its rows, in order from the top.
+    pub fn gather(&self, rows: impl IntoIterator<Item = SurveyRow>) -> Survey {
+        let mut sums = vec![0.0; self.columns * self.rows];
+        let (mut sum, mut least, mut greatest, mut brightest) = (0.0, f32::INFINITY, 0.0, (0, 0));
+        for (y, row) in rows.into_iter().take(self.height).enumerate() {
+            let first = y * self.rows / self.height * self.columns;
+            for (total, part) in sums[first..].iter_mut().zip(&row.cells) {
+                *total += part;
+            }
+            sum += row.sum;
+            least = row.least.min(least);
+            if row.greatest > greatest {
+                (greatest, brightest) = (row.greatest, (row.column, y));
+            }
+        }
+        let cells = sums.iter().enumerate().map(|(i, total)| (total / self.pixels(i)) as f32).collect();
+        let least = if greatest > 0.0 { least } else { 0.0 };
+        Survey { cells, least, greatest, mean: sum / (self.width * self.height).max(1) as f64, brightest }
+    }
+
+    /// How many pixels cell `i` has.
+    fn pixels(&self, i: usize) -> f64 {
+        let side = |i, count, pixels| Self::start(i + 1, count, pixels) - Self::start(i, count, pixels);
+        (side(i % self.columns, self.columns, self.width) * side(i / self.columns, self.rows, self.height)) as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn survey(cells: Cells, picture: &[f32]) -> Survey {
+        cells.gather(picture.chunks(cells.width).map(|row| cells.row(row)))
+    }
+
+    #[test]
+    fn cells_are_a_degree_wide_in_a_wide_field_and_smaller_in_a_narrow_one() {
+        assert_eq!(Cells::new(1920, 1080, 24.0), Cells { width: 1920, height: 1080, columns: 80, rows: 45 });
+        let narrow = Cells::new(480, 270, 60.0);
+        assert!((900..1100).contains(&(narrow.columns * narrow.rows)));
+        assert_eq!(Cells::new(7, 3, 1e-3), Cells { width: 7, height: 3, columns: 7, rows: 3 });
+    }
+
+    #[test]
+    fn every_pixel_falls_in_the_cell_that_its_row_and_column_say() {
+        let cells = Cells { width: 10, height: 7, columns: 4, rows: 3 };
+        let pixels: f64 = (0..12).map(|i| cells.pixels(i)).sum();
+        assert_eq!(pixels, 70.0);
+        let found = survey(cells, &[3.0; 70]);
+        assert_eq!(found.cells, vec![3.0; 12]);
+        assert_eq!(found.mean, 3.0);
+    }
+
+    #[test]
+    fn the_mean_of_the_cells_is_the_mean_of_the_picture_where_they_are_of_one_size() {
+        let picture: Vec<f32> = (0..96).map(|i| (i * i % 31) as f32).collect();
+        let found = survey(Cells { width: 12, height: 8, columns: 3, rows: 4 }, &picture);
+        let mean = found.cells.iter().copied().map(f64::from).sum::<f64>() / 12.0;
+        approx::assert_relative_eq!(mean, found.mean, max_relative = 1e-6);
+    }
+
+    #[test]
+    fn the_first_of_the_brightest_pixels_is_named_and_light_below_zero_is_none() {
+        let found = survey(Cells::new(3, 2, 1.0), &[-5.0, 0.0, 2.0, f32::MIN, 2.0, 0.5]);
+        assert_eq!((found.least, found.greatest, found.brightest), (0.5, 2.0, (2, 0)));
+        assert_eq!(found.mean, 4.5 / 6.0);
+        let dark = survey(Cells::new(3, 2, 1.0), &[0.0, -1.0, 0.0, 0.0, -0.0, 0.0]);
+        assert_eq!((dark.least, dark.greatest, dark.mean), (0.0, 0.0, 0.0));
+    }
+
+    #[test]
+    fn rows_surveyed_by_many_threads_give_the_same_bits() {
+        use rayon::prelude::*;
+        let picture: Vec<f32> = (0..64 * 50).map(|i| ((i as f32) * 0.37).sin().abs().powi(9) * 1e9).collect();
+        let cells = Cells::new(64, 50, 5.0);
+        let rows: Vec<SurveyRow> = picture.par_chunks(64).map(|row| cells.row(row)).collect();
+        assert_eq!(cells.gather(rows), survey(cells, &picture));
+    }
+}

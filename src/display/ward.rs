@@ -1,0 +1,273 @@
+//! Histogram adjustment.
+//!
+//!     ln Ld = ln Ldmin + (ln Ldmax - ln Ldmin) P(ln Lw)        P: cumulative share of cells, linear within a bin
+//!     linear ceiling:  f(b) <= T db / ln(Ldmax/Ldmin)
+//!     human ceiling:   f(b) <= T db / ln(Ldmax/Ldmin) [dLt(Ld)/Ld] / [dLt(Lw)/Lw]
+//!
+//! f: count of a bin, db: its width in ln Lw, T: total count, dLt: the least luminance step an adapted eye can see.
+//! Bins are trimmed to their ceiling and the map is made anew until a pass takes away 2.5 % of T or less. Where
+//! little is left, or the world's range fits the display, one scale does.
+//!
+//! Ward, Rushmeier & Piatko 1997, IEEE TVCG 3(4), Eqs. 2 to 11. Bins and limits are those of Radiance's `pcond`.
+
+use super::{Ceiling, Survey, ToneMap};
+use crate::units::Nits;
+
+/// Number of bins.
+const BINS: usize = 100;
+
+/// Share of the total that may stand above the ceiling when trimming ends.
+const TOLERANCE: f64 = 0.025;
+
+/// The map of one frame.
+#[derive(Clone, Debug)]
+pub(super) struct Adjustment {
+    ceiling: Ceiling,
+    /// ln of the display's black and white.
+    display: (f64, f64),
+    shape: Shape,
+}
+
+#[derive(Clone, Debug)]
+enum Shape {
+    /// Display luminance is world luminance times e to this, up to white.
+    Scale(f64),
+    Histogram(Histogram),
+}
+
+/// Counts of cells over ln luminance.
+#[derive(Clone, Debug)]
+struct Histogram {
+    bottom: f64,
+    bin: f64,
+    counts: Vec<f64>,
+    /// Share of the total below each bin's lower edge, and 1.
+    below: Vec<f64>,
+}
+
+impl Adjustment {
+    pub fn new(survey: &Survey, ceiling: Ceiling, black: Nits, white: Nits) -> Self {
+        let display = (black.0.ln(), white.0.ln());
+        let adjustment = |shape| Adjustment { ceiling, display, shape };
+        if survey.greatest <= 0.0 {
+            return adjustment(Shape::Scale(0.0));
+        }
+        let fits = f64::from(survey.greatest) / f64::from(survey.least) <= white.0 / black.0;
+        let trimmed = if fits { None } else { adjustment(Shape::Histogram(Histogram::new(survey))).trimmed() };
+        trimmed.unwrap_or_else(|| adjustment(Shape::Scale(scale(survey, ceiling, display))))
+    }
+
+    /// ln display luminance of a ln world luminance. Below the range it goes on in proportion, above it is white.
+    pub fn ln_display(&self, ln_world: f64) -> f64 {
+        let (black, white) = self.display;
+        match &self.shape {
+            Shape::Scale(ln_scale) => (ln_world + ln_scale).min(white),
+            Shape::Histogram(h) if ln_world < h.bottom => black + ln_world - h.bottom,
+            Shape::Histogram(h) => black + (white - black) * h.share_below(ln_world),
+        }
+    }
+
+    /// Trims the histogram to its ceiling; `None` when next to nothing is left of it.
+    fn trimmed(mut self) -> Option<Self> {
+        let Shape::Histogram(first) = &self.shape else { return None };
+        let first_total = first.total();
+        loop {
+            let Shape::Histogram(current) = &self.shape else { return None };
+            let total = current.total();
+            if total <= TOLERANCE * first_total {
+                return None;
+            }
+            let within: Vec<f64> =
+                current.counts.iter().enumerate().map(|(i, f)| f.min(self.most(current, i, total))).collect();
+            let left: f64 = within.iter().sum();
+            if total - left <= TOLERANCE * total {
+                return Some(self);
+            }
+            self.shape = Shape::Histogram(current.with(within));
+        }
+    }
+
+    /// The most that bin `i` may hold.
+    fn most(&self, histogram: &Histogram, i: usize, total: f64) -> f64 {
+        let linear = total * histogram.bin / (self.display.1 - self.display.0);
+        match self.ceiling {
+            Ceiling::Linear => linear,
+            Ceiling::Human => {
+                let centre = histogram.bottom + histogram.bin * (i as f64 + 0.5);
+                let (world, display) = (centre.exp(), self.ln_display(centre).exp());
+                linear * (threshold(display) / display) / (threshold(world) / world)
+            }
+        }
+    }
+}
+
+impl Histogram {
+    /// Counts the cells between the least and the greatest pixel. The range is lengthened downward by one bin, which
+    /// gets half of what its neighbour holds, so that the darkest things are not black.
+    fn new(survey: &Survey) -> Self {
+        let (least, top) = ln_range(survey);
+        let bin = (top - least) / (BINS - 1) as f64;
+        let bottom = least - bin;
+        let mut counts = vec![0.0; BINS];
+        for ln in ln_cells(survey) {
+            // A cell as dark as the least pixel belongs above the edge that it lies on.
+            counts[(((ln - bottom) / bin + 1e-9) as usize).min(BINS - 1)] += 1.0;
+        }
+        counts[1] /= 2.0;
+        counts[0] += counts[1];
+        Histogram { bottom, bin, counts: Vec::new(), below: Vec::new() }.with(counts)
+    }
+
+    /// The same bins with other counts.
+    fn with(&self, counts: Vec<f64>) -> Self {
+        let total: f64 = counts.iter().sum();
+        let sums = counts.iter().scan(0.0, |sum, f| {
+            *sum += f;
+            Some((*sum / total).min(1.0))
+        });
+        let below = std::iter::once(0.0).chain(sums).collect();
+        Histogram { bottom: self.bottom, bin: self.bin, counts, below }
+    }
+
+    fn total(&self) -> f64 {
+        self.counts.iter().sum()
+    }
+
+    /// Share of the cells below a ln luminance that is not below the bottom.
+    fn share_below(&self, ln_world: f64) -> f64 {
+        let at = (ln_world - self.bottom) / self.bin;
+        let i = at as usize;
+        if i >= BINS { 1.0 } else { self.below[i] + (self.below[i + 1] - self.below[i]) * (at - i as f64) }
+    }
+}
+
+/// ln of the one scale that puts the middle of the display's range where the mean of the frame is: with the human
+/// ceiling so that steps are as visible as in the world (Ward 1994), with the linear one at the same place. Never
+/// so bright that the greatest pixel exceeds white.
+fn scale(survey: &Survey, ceiling: Ceiling, display: (f64, f64)) -> f64 {
+    let (count, sum) = ln_cells(survey).fold((0.0, 0.0), |(n, sum), ln| (n + 1.0, sum + ln));
+    let (world, middle) = (sum / f64::max(count, 1.0), (display.0 + display.1) / 2.0);
+    let wanted = match ceiling {
+        Ceiling::Human => (threshold(middle.exp()) / threshold(world.exp())).ln(),
+        Ceiling::Linear => middle - world,
+    };
+    wanted.min(display.1 - ln_range(survey).1)
+}
+
+/// ln of the least and the greatest pixel, within what a map can hold.
+fn ln_range(survey: &Survey) -> (f64, f64) {
+    let ln = |pixel: f32| f64::from(pixel).clamp(ToneMap::LEAST, ToneMap::GREATEST).ln();
+    (ln(survey.least), ln(survey.greatest))
+}
+
+/// ln luminance of all cells that give light, within the range of the pixels.
+fn ln_cells(survey: &Survey) -> impl Iterator<Item = f64> + '_ {
+    let (least, greatest) = ln_range(survey);
+    survey.cells.iter().filter(|&&cell| cell > 0.0).map(move |&cell| f64::from(cell).ln().clamp(least, greatest))
+}
+
+/// The least visible step of luminance at an adapting luminance, both cd/m2: the better of rods and cones
+/// (Ferwerda, Pattanaik, Shirley & Greenberg 1996, as fitted in Ward et al. 1997).
+fn threshold(luminance: f64) -> f64 {
+    let x = luminance.log10();
+    let log_step = match x {
+        x if x < -3.94 => return 1.38e-3,
+        x if x < -1.44 => (0.405 * x + 1.6).powf(2.18) - 2.86,
+        x if x < -0.0184 => x - 0.395,
+        x if x < 1.9 => (0.249 * x + 0.65).powf(2.7) - 0.72,
+        x => x - 1.255,
+    };
+    10f64.powf(log_step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const WHITE: Nits = Nits(100.0);
+    const BLACK: Nits = Nits(1.0);
+
+    fn survey(cells: Vec<f32>, least: f32, greatest: f32) -> Survey {
+        Survey { cells, least, greatest, mean: 0.0, brightest: (0, 0) }
+    }
+
+    fn of(cells: Vec<f32>) -> Survey {
+        let least = cells.iter().copied().fold(f32::INFINITY, f32::min);
+        let greatest = cells.iter().copied().fold(0.0, f32::max);
+        survey(cells, least, greatest)
+    }
+
+    /// Columns of the table that Radiance's `pcond` gave for a flat histogram from 10^-2 to 10^4.1 cd/m2.
+    fn pcond() -> Vec<[f64; 3]> {
+        let lines = include_str!("../../data/ward_flat.csv").lines().skip(2);
+        let number = |field: &str| field.parse().expect("a number");
+        lines.map(|line| line.split(',').map(number).collect::<Vec<f64>>().try_into().expect("three columns")).collect()
+    }
+
+    #[test]
+    fn a_flat_histogram_gets_the_map_that_radiance_gives_it() {
+        let flat = survey((0..=60).map(|i| 10f32.powf(-2.0 + 0.1 * i as f32)).collect(), 0.01, 10f32.powf(4.1));
+        let table = pcond();
+        assert_eq!(table.len(), BINS);
+        for (ceiling, column) in [(Ceiling::Human, 1), (Ceiling::Linear, 2)] {
+            let map = Adjustment::new(&flat, ceiling, BLACK, WHITE);
+            for row in &table {
+                let display = map.ln_display(row[0].ln()).exp();
+                approx::assert_relative_eq!(display, row[column], max_relative = 0.03);
+            }
+        }
+    }
+
+    #[test]
+    fn the_linear_ceiling_never_shows_more_contrast_than_the_world_has() {
+        let cells = (0..3000).map(|i| if i < 2700 { 3e3 + i as f32 / 10.0 } else { 20.0 + i as f32 }).collect();
+        let map = Adjustment::new(&survey(cells, 10.0, 7e5), Ceiling::Linear, BLACK, WHITE);
+        for i in 0..400 {
+            let ln = 2.0 + 0.03 * i as f64;
+            // The last pass may leave 2.5 % of the total above the ceiling.
+            assert!(map.ln_display(ln + 0.15) - map.ln_display(ln) <= 0.15 + 0.03 * f64::ln(100.0));
+        }
+    }
+
+    #[test]
+    fn a_world_that_fits_the_display_is_shown_in_one_scale_and_within_white() {
+        for ceiling in [Ceiling::Human, Ceiling::Linear] {
+            for (least, greatest) in [(30.0, 2900.0), (0.01, 0.5), (5e4, 5e4)] {
+                let map = Adjustment::new(&of(vec![least, (least * greatest).sqrt(), greatest]), ceiling, BLACK, WHITE);
+                let ratio = |world: f32| map.ln_display(f64::from(world).ln()) - f64::from(world).ln();
+                approx::assert_relative_eq!(ratio(least), ratio(greatest), epsilon = 1e-12);
+                assert!(map.ln_display(f64::from(greatest).ln()) <= f64::ln(100.0) + 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn a_night_that_is_hard_to_see_is_shown_dark_under_the_human_ceiling() {
+        let night = of(vec![1e-3, 1e-2, 5e-2]);
+        let shown = |ceiling| Adjustment::new(&night, ceiling, BLACK, WHITE).ln_display(f64::ln(0.01)).exp();
+        assert!(shown(Ceiling::Human) < 0.5 * shown(Ceiling::Linear));
+    }
+
+    #[test]
+    fn the_pieces_of_the_threshold_meet_within_the_rounding_of_their_coefficients() {
+        for x in [-3.94, -1.44, -0.0184, 1.9] {
+            let (below, above) = (threshold(10f64.powf(x - 1e-9)), threshold(10f64.powf(x + 1e-9)));
+            approx::assert_relative_eq!(below, above, max_relative = 0.03);
+        }
+        approx::assert_relative_eq!(threshold(1000.0), 10f64.powf(1.745), max_relative = 1e-12);
+    }
+
+    proptest! {
+        #[test]
+        fn any_histogram_gives_a_rising_map_from_black_to_white(
+            logs in prop::collection::vec(-8f32..12.0, 1..300), human in any::<bool>()
+        ) {
+            let ceiling = if human { Ceiling::Human } else { Ceiling::Linear };
+            let map = Adjustment::new(&of(logs.iter().map(|x| 10f32.powf(*x)).collect()), ceiling, BLACK, WHITE);
+            let levels: Vec<f64> = (0..2000).map(|i| map.ln_display(-25.0 + 0.03 * f64::from(i))).collect();
+            prop_assert!(levels.is_sorted());
+            prop_assert!(levels.iter().all(|v| v.is_finite() && *v <= f64::ln(100.0) + 1e-12));
+        }
+    }
+}

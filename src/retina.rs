@@ -1,0 +1,206 @@
+//! The retina: the unbleached fraction of three pigments at every place, moved by light.
+//!
+//! Places are counted in pixels of the picture at the first gaze. When the gaze has moved by `shift` pixels, the
+//! place r sees the picture at r + shift. **Light is resampled to the places, p is read at the picture's points;
+//! the state itself is never resampled**, which would blur it by sqrt(n f (1 - f)) pixels after n frames.
+//! Places that no picture has covered yet have all seen the same surround; they are kept as one, and become places
+//! of their own when the gaze first brings the picture to them.
+
+use ndarray::{Array3, Axis, s};
+use rayon::prelude::*;
+
+use crate::kernel::{self, FirstOrderForm};
+use crate::kinetics::{Kinetics, Law};
+use crate::step::{self, Method};
+use crate::units::{Seconds, Trolands};
+
+/// How pigment follows light.
+#[derive(Clone, Copy)]
+pub enum Model {
+    /// It does not: the eye stays as it started.
+    Unbleached,
+    /// At once (paper Eq. 1, frame by frame).
+    Steady,
+    /// By a method of the table. `substeps` 0: as many as keep the step's error within `budget`.
+    Tracked { method: &'static Method, substeps: u32, budget: f64 },
+}
+
+impl Model {
+    /// The name in `trace.csv` and `report.json`.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Model::Unbleached => "none",
+            Model::Steady => "steady",
+            Model::Tracked { .. } => "tracked",
+        }
+    }
+}
+
+/// One step of the pigments, the same at every place but for the light.
+#[derive(Clone, Copy)]
+pub struct Advance<'a> {
+    pub pigments: &'a [Kinetics; 3],
+    pub model: Model,
+    pub duration: Seconds,
+}
+
+impl Advance<'_> {
+    /// Moves rows of L, M, S pigment by rows of L, M, S light, td.
+    pub fn row(&self, light: &[f32], p: &mut [f64]) {
+        let width = p.len() / 3;
+        for (cone, (p, light)) in p.chunks_exact_mut(width).zip(light.chunks_exact(width)).enumerate() {
+            let pigment = &self.pigments[cone];
+            match self.model {
+                Model::Unbleached => {}
+                Model::Steady if pigment.law == Law::FirstOrder => {
+                    kernel::steady(FirstOrderForm::new(pigment, self.duration), light, p);
+                }
+                Model::Tracked { method, .. } if pigment.law == Law::FirstOrder && method.name == "exact" => {
+                    kernel::relax(FirstOrderForm::new(pigment, self.duration), light, p);
+                }
+                _ => p.iter_mut().zip(light).for_each(|(p, &td)| *p = self.place(pigment, *p, f64::from(td))),
+            }
+        }
+    }
+
+    /// Moves one pigment at one place: the scalar path of every law and method.
+    pub fn place(&self, pigment: &Kinetics, p: f64, td: f64) -> f64 {
+        let light = Trolands(td);
+        match self.model {
+            Model::Unbleached => p,
+            Model::Steady => pigment.steady(light),
+            Model::Tracked { method, substeps: 0, budget } if method.name == "exact" => {
+                step::enclosed_within(pigment, p, light, self.duration, budget).p
+            }
+            Model::Tracked { method, substeps, .. } => method.hold(pigment, p, light, self.duration, substeps.max(1)),
+        }
+    }
+}
+
+/// Pigment at every place. Rows of three runs, L, M and S: shape (height, 3, width).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Retina {
+    p: Array3<f64>,
+    /// The first column and row that are kept, in places.
+    origin: [i64; 2],
+    /// Pigment wherever no picture has been.
+    beyond: [f64; 3],
+}
+
+impl Retina {
+    /// Every pigment unbleached.
+    pub fn rested(width: usize, height: usize) -> Self {
+        Retina { p: Array3::ones((height, 3, width)), origin: [0, 0], beyond: [1.0; 3] }
+    }
+
+    /// A retina of given fractions, shape (height, 3, width), in standard layout; values outside 0..1 are limited.
+    pub fn from_fractions(p: Array3<f64>, beyond: [f64; 3]) -> Self {
+        let p = p.as_standard_layout().mapv(|v| v.clamp(0.0, 1.0));
+        Retina { p, origin: [0, 0], beyond }
+    }
+
+    /// Columns and rows that are kept.
+    pub fn size(&self) -> [usize; 2] {
+        [self.p.len_of(Axis(2)), self.p.len_of(Axis(0))]
+    }
+
+    /// The first column and row that are kept.
+    pub fn origin(&self) -> [i64; 2] {
+        self.origin
+    }
+
+    /// Pigment wherever no picture has been.
+    pub fn beyond(&self) -> [f64; 3] {
+        self.beyond
+    }
+
+    /// Everything that is kept: rows of L, M, S.
+    pub fn fractions(&self) -> &[f64] {
+        self.p.as_slice().unwrap_or(&[])
+    }
+
+    /// Takes up what [`Retina::fractions`], `size`, `origin` and `beyond` gave; `None` if they do not fit together.
+    pub fn restored(p: Vec<f64>, [width, height]: [usize; 2], origin: [i64; 2], beyond: [f64; 3]) -> Option<Self> {
+        Some(Retina { p: Array3::from_shape_vec((height, 3, width), p).ok()?, origin, beyond })
+    }
+
+    /// The picture's places at the first gaze: rows of L, M, S.
+    pub fn first_view(&self, width: usize, height: usize) -> Array3<f64> {
+        let [x, y] = self.origin.map(|o| (-o).max(0) as usize);
+        self.p.slice(s![y..y + height, .., x..x + width]).to_owned()
+    }
+
+    /// Mutable rows, each three runs.
+    pub fn rows_mut(&mut self) -> std::slice::ChunksExactMut<'_, f64> {
+        let per_row = 3 * self.size()[0];
+        self.p.as_slice_mut().unwrap_or(&mut []).chunks_exact_mut(per_row)
+    }
+
+    /// Mutable rows for parallel work, each three runs.
+    pub fn par_rows_mut(&mut self) -> rayon::slice::ChunksExactMut<'_, f64> {
+        let per_row = 3 * self.size()[0];
+        self.p.as_slice_mut().unwrap_or(&mut []).par_chunks_exact_mut(per_row)
+    }
+
+    /// Fractions at one place of the kept ones.
+    pub fn at(&self, place: [i64; 2]) -> [f64; 3] {
+        let [x, y] = [0, 1].map(|i| place[i] - self.origin[i]);
+        let [width, height] = self.size();
+        if x < 0 || y < 0 || x >= width as i64 || y >= height as i64 {
+            return self.beyond;
+        }
+        [0, 1, 2].map(|k| self.p[[y as usize, k, x as usize]])
+    }
+
+    /// Makes places of their own of all that lie in the rectangle `from..=to`; they have seen only the surround.
+    pub fn cover(&mut self, from: [i64; 2], to: [i64; 2]) {
+        let [width, height] = self.size();
+        let last = [self.origin[0] + width as i64 - 1, self.origin[1] + height as i64 - 1];
+        let first = [0, 1].map(|i| from[i].min(self.origin[i]));
+        let end = [0, 1].map(|i| to[i].max(last[i]));
+        if first == self.origin && end == last {
+            return;
+        }
+        let [w, h] = [0, 1].map(|i| (end[i] - first[i] + 1) as usize);
+        let mut grown = Array3::from_shape_fn((h, 3, w), |(_, k, _)| self.beyond[k]);
+        let [x, y] = [0, 1].map(|i| (self.origin[i] - first[i]) as usize);
+        grown.slice_mut(s![y..y + height, .., x..x + width]).assign(&self.p);
+        (self.p, self.origin) = (grown, first);
+    }
+
+    /// Moves the places that no picture has covered by the surround's light, td.
+    pub fn advance_beyond(&mut self, advance: &Advance<'_>, surround: [f64; 3]) {
+        let light = surround.map(|td| td as f32);
+        advance.row(&light, &mut self.beyond);
+    }
+
+    /// Least fraction of each pigment, and how many places have lost more than half of the S pigment.
+    pub fn extremes(row: &[f64]) -> ([f64; 3], u64) {
+        let width = row.len() / 3;
+        let least = [0, 1, 2].map(|k| row[k * width..][..width].iter().copied().fold(f64::INFINITY, f64::min));
+        let past_half = if least[2] < 0.5 { row[2 * width..].iter().filter(|&&p| p < 0.5).count() as u64 } else { 0 };
+        (least, past_half)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_that_join_the_retina_have_seen_only_the_surround() {
+        let pigments = [Kinetics::first_order(Trolands(2e4), Seconds(120.0)); 3];
+        let Some(method) = Method::named("exact") else { panic!("exact is in the table") };
+        let model = Model::Tracked { method, substeps: 0, budget: 1e-3 };
+        let advance = Advance { pigments: &pigments, model, duration: Seconds(10.0) };
+        let mut retina = Retina::rested(2, 1);
+        retina.rows_mut().for_each(|row| advance.row(&[1e6; 6], row));
+        retina.advance_beyond(&advance, [1e4; 3]);
+        let (inside, outside) = (retina.at([1, 0]), retina.beyond());
+        retina.cover([-1, 0], [1, 2]);
+        assert_eq!(retina.size(), [3, 3]);
+        assert_eq!(retina.at([1, 0]), inside);
+        assert_eq!(retina.at([-1, 2]), outside);
+        assert!(inside[0] < outside[0] && outside[0] < 1.0);
+    }
+}
