@@ -1,6 +1,8 @@
 //! sRGB, 8 bit.
 //!
-//!     v <= 0.0031308: 12.92 v        else 1.055 v^(1/2.4) - 0.055        (IEC 61966-2-1:1999)
+//! ```text
+//! v <= 0.0031308: 12.92 v        else 1.055 v^(1/2.4) - 0.055        (IEC 61966-2-1:1999)
+//! ```
 //!
 //! The nearest of 256 codes, exactly: the upper half of a number's bits leads to the code of the lowest number with
 //! the same half, and at most one step from code to code lies between it and the next.
@@ -36,6 +38,7 @@ impl Srgb {
 
     /// The code nearest to a linear value; values outside 0..=1 take the nearest that is inside.
     #[inline]
+    #[expect(clippy::manual_clamp, reason = "clamp would let NaN pass")]
     pub fn code(&self, linear: f32) -> u8 {
         let v = linear.max(LEAST).min(1.0);
         let code = self.codes[((v.to_bits() >> 16) - (LEAST.to_bits() >> 16)) as usize];

@@ -3,10 +3,19 @@
 //! A colour is linear RGB in the sRGB primaries. Strongly bleached cones see colours that no light has: those move
 //! toward the grey of the same luminance until no component is negative,
 //!
-//!     c' = Y + (c - Y) Y / (Y - min c)
+//! ```text
+//! c' = Y + (c - Y) Y / (Y - min c)
+//! ```
 //!
 //! and never by clipping one channel, which would change hue and luminance. Colours brighter than the display come
-//! in between two ways: scaled down with their hue, `c / max c`, and toward white at the same luminance.
+//! in between two ways, by the display's `highlights` h:
+//!
+//! ```text
+//! (1 - h^3) hue + h^3 white        hue = c / max c,  white = Y + (c - Y) (1 - Y) / (max c - Y), at most 1
+//! ```
+//!
+//! The eye judges admixed white by about the cube root of its amount (CIE 1976 lightness), so that half way looks
+//! half way; mixed as light, half white turns a red sun to a pink that is lost in its sky.
 
 /// Luminance of linear sRGB: ITU-R BT.709 primaries with D65, IEC 61966-2-1.
 const LUMINANCE: [f32; 3] = [0.212_639, 0.715_168_7, 0.072_192_3];
@@ -19,6 +28,7 @@ const GLARE: f32 = 1e30;
 
 /// Limits a colour to finite numbers that can be added and multiplied.
 #[inline]
+#[expect(clippy::manual_clamp, reason = "clamp would let NaN pass")]
 pub(super) fn bounded(light: [f32; 3]) -> [f32; 3] {
     light.map(|c| c.max(-GLARE).min(GLARE))
 }
@@ -29,14 +39,12 @@ pub(super) fn luminance([r, g, b]: [f32; 3]) -> f32 {
     LUMINANCE[0] * r + LUMINANCE[1] * g + LUMINANCE[2] * b
 }
 
-/// The colour at unit luminance, without negative components; black where there is no luminance.
+/// The colour at unit luminance, without negative components; grey where there is no luminance.
 #[inline]
 pub(super) fn chroma(light: [f32; 3], luminance: f32) -> [f32; 3] {
     let least = light[0].min(light[1]).min(light[2]).min(0.0);
-    let lit = luminance > DARK;
-    let y = if lit { luminance } else { 1.0 };
-    let (kept, per_y) = (y / (y - least), if lit { 1.0 / y } else { 0.0 });
-    light.map(|c| ((y + (c - y) * kept) * per_y).max(0.0))
+    let kept = if luminance > DARK { 1.0 / (luminance - least) } else { 0.0 };
+    light.map(|c| (1.0 + (c - luminance) * kept).max(0.0))
 }
 
 /// Linear RGB in 0..=1 that shows a colour of unit luminance at the given share of white.
@@ -44,14 +52,13 @@ pub(super) fn chroma(light: [f32; 3], luminance: f32) -> [f32; 3] {
 pub(super) fn shown(colour: [f32; 3], share: f32, highlights: f32) -> [f32; 3] {
     let wanted = colour.map(|c| c * share);
     let most = wanted[0].max(wanted[1]).max(wanted[2]).max(1.0);
-    if most <= 1.0 {
-        return wanted;
-    }
     let grey = share.min(1.0);
-    let kept = (1.0 - grey) / (most - grey);
+    // Both factors are 1 for a colour that needs nothing.
+    let (scaled, kept) = (1.0 / most, (1.0 - grey) / (most - grey).max(f32::MIN_POSITIVE));
+    let whiteness = highlights * highlights * highlights;
     wanted.map(|c| {
-        let (hue, white) = (c / most, grey + (c - grey) * kept);
-        hue + highlights * (white - hue)
+        let (hue, white) = (c * scaled, grey + (c - grey) * kept);
+        hue + whiteness * (white - hue)
     })
 }
 
@@ -65,9 +72,9 @@ mod tests {
     }
 
     #[test]
-    fn without_luminance_there_is_no_colour() {
+    fn without_luminance_there_is_neither_colour_nor_light() {
         for light in [[0.0; 3], [-1.0; 3], [0.1, -5.0, 3.0], [-0.0; 3]] {
-            assert_eq!(chroma(light, luminance(light)).map(|c| c * 0.0), [0.0; 3]);
+            assert_eq!(chroma(light, luminance(light)), [1.0; 3]);
             assert_eq!(shown(chroma(light, luminance(light)), 0.0, 0.5), [0.0; 3]);
         }
     }
@@ -77,7 +84,7 @@ mod tests {
         let light = [6.0, 2.0, 0.0];
         let unit = chroma(light, luminance(light));
         for (c, l) in unit.iter().zip(light) {
-            approx::assert_relative_eq!(c * luminance(light), l, max_relative = 1e-6);
+            approx::assert_relative_eq!(c * luminance(light), l, epsilon = 1e-6);
         }
     }
 
@@ -85,8 +92,8 @@ mod tests {
     fn highlights_go_from_their_hue_to_white() {
         let red = chroma([1.0, 0.1, 0.0], luminance([1.0, 0.1, 0.0]));
         let of_hue = shown(red, 1.0, 0.0);
-        approx::assert_relative_eq!(of_hue[1] / of_hue[0], 0.1, max_relative = 1e-5);
-        assert_eq!(of_hue[0], 1.0);
+        approx::assert_relative_eq!(of_hue[1], 0.1, max_relative = 1e-5);
+        approx::assert_relative_eq!(of_hue[0], 1.0, max_relative = 1e-6);
         for v in shown(red, 1.0, 1.0) {
             approx::assert_relative_eq!(v, 1.0, max_relative = 1e-6);
         }

@@ -1,6 +1,8 @@
 //! A monotone map from world to display luminance, tabulated so that maps can be mixed and read fast.
 //!
-//!     ln Ld at 128 luminances to the octave from 2^-20 to 2^40 cd/m2: the bfloat16 numbers of that range
+//! ```text
+//! ln Ld at 128 luminances to the octave from 2^-20 to 2^40 cd/m2: the bfloat16 numbers of that range
+//! ```
 //!
 //! All maps share these luminances, so that maps of frames with different ranges mix knot by knot, and a map that
 //! is mixed frame after frame never blurs. Between two knots Ld is linear in Lw; below the first it is proportional,
@@ -78,14 +80,14 @@ impl ToneMap {
     pub fn display_luminance(&self, world: Nits) -> Nits {
         let level = |i: usize| self.levels[i].exp();
         Nits(match world.0 {
-            w if !(w > 0.0) => 0.0,
-            w if w < Self::LEAST => level(0) * (w / Self::LEAST),
             w if w >= Self::GREATEST => level(KNOTS - 1),
-            w => {
+            w if w >= Self::LEAST => {
                 let i = (((w as f32).to_bits() >> 16) - BASE) as usize;
                 let i = if knot(i) > w { i - 1 } else { i };
                 level(i) + (level(i + 1) - level(i)) * (w - knot(i)) / (knot(i + 1) - knot(i))
             }
+            w if w > 0.0 => level(0) * (w / Self::LEAST),
+            _ => 0.0,
         })
     }
 
@@ -97,7 +99,7 @@ impl ToneMap {
         let i = ((bits >> 16) - BASE) as usize;
         let (low, high) = (self.shares[i], self.shares[i + 1]);
         let share = low + (high - low) * ((bits & 0xffff) as f32 / 65536.0);
-        share * (world / within).clamp(0.0, 1.0)
+        share * (world * (1 << -FIRST) as f32).clamp(0.0, 1.0)
     }
 }
 

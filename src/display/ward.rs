@@ -1,14 +1,16 @@
 //! Histogram adjustment.
 //!
-//!     ln Ld = ln Ldmin + (ln Ldmax - ln Ldmin) P(ln Lw)        P: cumulative share of cells, linear within a bin
-//!     linear ceiling:  f(b) <= T db / ln(Ldmax/Ldmin)
-//!     human ceiling:   f(b) <= T db / ln(Ldmax/Ldmin) [dLt(Ld)/Ld] / [dLt(Lw)/Lw]
+//! ```text
+//! ln Ld = ln Ldmin + (ln Ldmax - ln Ldmin) P(ln Lw)        P: cumulative share of cells, linear within a bin
+//! linear ceiling:  f(b) <= T db / ln(Ldmax/Ldmin)
+//! human ceiling:   f(b) <= T db / ln(Ldmax/Ldmin) [dLt(Ld)/Ld] / [dLt(Lw)/Lw]
+//! ```
 //!
 //! f: count of a bin, db: its width in ln Lw, T: total count, dLt: the least luminance step an adapted eye can see.
 //! Bins are trimmed to their ceiling and the map is made anew until a pass takes away 2.5 % of T or less. Where
 //! little is left, or the world's range fits the display, one scale does.
 //!
-//! Ward, Rushmeier & Piatko 1997, IEEE TVCG 3(4), Eqs. 2 to 11. Bins and limits are those of Radiance's `pcond`.
+//! Ward, Rushmeier & Piatko 1997, IEEE TVCG 3(4), 291-306. Bins and limits are those of Radiance's `pcond`.
 
 use super::{Ceiling, Survey, ToneMap};
 use crate::units::Nits;
@@ -143,7 +145,7 @@ impl Histogram {
 
 /// ln of the one scale that puts the middle of the display's range where the mean of the frame is: with the human
 /// ceiling so that steps are as visible as in the world (Ward 1994), with the linear one at the same place. Never
-/// so bright that the greatest pixel exceeds white.
+/// so bright that the greatest pixel exceeds white, unless the least would sink below black.
 fn scale(survey: &Survey, ceiling: Ceiling, display: (f64, f64)) -> f64 {
     let (count, sum) = ln_cells(survey).fold((0.0, 0.0), |(n, sum), ln| (n + 1.0, sum + ln));
     let (world, middle) = (sum / f64::max(count, 1.0), (display.0 + display.1) / 2.0);
@@ -151,7 +153,8 @@ fn scale(survey: &Survey, ceiling: Ceiling, display: (f64, f64)) -> f64 {
         Ceiling::Human => (threshold(middle.exp()) / threshold(world.exp())).ln(),
         Ceiling::Linear => middle - world,
     };
-    wanted.min(display.1 - ln_range(survey).1)
+    let (least, greatest) = ln_range(survey);
+    wanted.min((display.1 - greatest).max(display.0 - least))
 }
 
 /// ln of the least and the greatest pixel, within what a map can hold.
@@ -239,6 +242,16 @@ mod tests {
                 approx::assert_relative_eq!(ratio(least), ratio(greatest), epsilon = 1e-12);
                 assert!(map.ln_display(f64::from(greatest).ln()) <= f64::ln(100.0) + 1e-12);
             }
+        }
+    }
+
+    #[test]
+    fn a_sun_in_a_sky_that_would_fit_the_display_does_not_darken_that_sky() {
+        let sky: Vec<f32> = (0..990).map(|i| 1000.0 + 4.0 * i as f32).chain([7e5; 10]).collect();
+        for ceiling in [Ceiling::Human, Ceiling::Linear] {
+            let map = Adjustment::new(&survey(sky.clone(), 250.0, 7e5), ceiling, BLACK, WHITE);
+            assert!(map.ln_display(f64::ln(3000.0)) > f64::ln(10.0));
+            assert!(map.ln_display(f64::ln(7e5)) >= f64::ln(100.0) - 1e-12);
         }
     }
 
