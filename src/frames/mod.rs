@@ -1,6 +1,19 @@
 //! Files in and out. The only room that names `exr` and `image`, and the only one below the program that touches
 //! the disk.
 
+pub mod atomic;
+mod census;
+mod channels;
+mod exr_file;
+mod exr_picture;
+mod footage;
+mod names;
+mod written;
+mod zip;
+
+pub use footage::open;
+pub use written::{About, Compression, write_exr, write_png};
+
 use crate::error::Error;
 use crate::light::{Frame, Planes, Primaries, Projection};
 use crate::spectrum::Bands;
