@@ -8,10 +8,14 @@ mod exr_file;
 mod exr_picture;
 mod footage;
 mod names;
+mod pattern;
+mod range;
+mod sequence;
 mod written;
 mod zip;
 
 pub use footage::open;
+pub use sequence::{Missing, Sequence};
 pub use written::{About, Compression, write_exr, write_png};
 
 use crate::error::Error;
