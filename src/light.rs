@@ -116,6 +116,12 @@ pub struct Projection {
 }
 
 impl Projection {
+    /// Every band kept as it is.
+    pub fn identity(bands: usize) -> Projection {
+        let weights = (0..bands * bands).map(|i| if i % (bands + 1) == 0 { 1.0 } else { 0.0 }).collect();
+        Projection { bands, rows: bands, weights }
+    }
+
     /// The same map for bands that are stored in another order and scale: stored band `i` is band `order[i]` of
     /// this map and is multiplied by `scale[i]` on the way.
     pub fn reordered(&self, order: &[usize], scale: &[f64]) -> Projection {

@@ -1,17 +1,16 @@
 //! Settings -> the things they name.
 
-use std::path::PathBuf;
-
 use crate::display::{Ceiling, Display, Tone};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::eye::{Directional, Dynamics, Field, Narrowing, Observer, Reading, Rule, Set, Steepness};
 use crate::frames::{ChannelNames, Negative, NonFinite, Quantity, ReadOptions, Wanted};
 use crate::kinetics::{Kinetics, Law};
+use crate::retina::Model;
 use crate::step::Method;
 use crate::units::{Degrees, Millimetres, Nits, Seconds, Trolands};
 
 use super::Config;
-use super::settings::*;
+use super::settings::{self, *};
 
 impl Config {
     /// The observer of `[observer]`.
@@ -169,12 +168,52 @@ impl Config {
         }
     }
 
-    /// `input.frames` as patterns, made relative to the configuration.
-    pub fn frame_patterns(&self) -> Option<Vec<PathBuf>> {
-        let names = match self.settings.input.frames.as_ref()? {
-            OneOrMany::One(name) => std::slice::from_ref(name),
-            OneOrMany::Many(names) => names,
+    /// Compression of the percept's files; `auto` is ZIP, which every program reads.
+    pub fn compression(&self) -> Result<Compression> {
+        match self.settings.output.compression.as_str() {
+            "auto" => Ok(Compression::Zip),
+            name => name.parse().map_err(|problem: String| self.wrong("output.compression", format!("{problem}, auto"))),
+        }
+    }
+
+    /// The numbered frames and files of `input.frames`; `None` for the built-in scene.
+    pub fn sequence(&self) -> Result<Option<Sequence>> {
+        let input = &self.settings.input;
+        let names = match &input.frames {
+            None => return Ok(None),
+            Some(OneOrMany::One(name)) => std::slice::from_ref(name),
+            Some(OneOrMany::Many(names)) => names,
         };
-        Some(names.iter().map(|name| self.path(name)).collect())
+        let missing = match input.missing {
+            settings::Missing::Error => frames::Missing::Error,
+            settings::Missing::Hold => frames::Missing::Hold,
+        };
+        Sequence::find(names, &self.base, &input.range, missing).map(Some).map_err(|error| match error {
+            Error::Config { key, problem, .. } => self.wrong(&format!("input.{key}"), problem),
+            other => other,
+        })
+    }
+
+    /// The built-in scene of `[input]`.
+    pub fn scene(&self) -> Sunset {
+        let input = &self.settings.input;
+        let ground = match input.horizon.unwrap_or_default() {
+            Horizon::Sea => Ground::Sea,
+            Horizon::Land => Ground::Land,
+        };
+        let (elevation, turbidity) = (input.sun_elevation_deg.unwrap_or(0.5), input.turbidity.unwrap_or(2.5));
+        Sunset::new(input.width.unwrap_or(480) as usize, elevation, turbidity, ground)
+    }
+
+    /// How pigment is to follow light.
+    pub fn model(&self) -> Result<Model> {
+        let n = &self.settings.numerics;
+        Ok(match n.model {
+            ModelKey::None => Model::Unbleached,
+            ModelKey::Steady => Model::Steady,
+            ModelKey::Auto | ModelKey::Tracked => {
+                Model::Tracked { method: self.method()?, substeps: n.substeps, budget: n.budget }
+            }
+        })
     }
 }

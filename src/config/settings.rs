@@ -73,8 +73,6 @@ words! {
     DisplayFile { Png, None } default Png
     /// `output.state`.
     StateKey { Every, Last, None } default Last
-    /// `output.compression`.
-    CompressionKey { Auto, None, Rle, Zips, Zip, Piz, Pxr24 } default Auto
 }
 
 /// `[input]`.
@@ -346,7 +344,7 @@ pub struct Output {
     pub display: DisplayFile,
     pub state: StateKey,
     pub video: String,
-    pub compression: CompressionKey,
+    pub compression: String,
     pub checkpoint_s: f64,
     pub probe: Vec<Probe>,
 }
@@ -358,7 +356,7 @@ impl Default for Output {
             display: DisplayFile::Png,
             state: StateKey::Last,
             video: "none".into(),
-            compression: CompressionKey::Auto,
+            compression: "auto".into(),
             checkpoint_s: 30.0,
             probe: Vec::new(),
         }

@@ -1,7 +1,23 @@
 //! Files in and out. The only room that names `exr` and `image`, and the only one below the program that touches
 //! the disk.
 
+pub mod atomic;
 pub mod builtin;
+mod census;
+mod channels;
+mod exr_file;
+mod exr_picture;
+mod footage;
+mod names;
+mod pattern;
+mod range;
+mod sequence;
+mod written;
+mod zip;
+
+pub use footage::open;
+pub use sequence::{Missing, Sequence};
+pub use written::{About, Compression, write_exr, write_png};
 
 use crate::error::Error;
 use crate::light::{Frame, Planes, Primaries, Projection};

@@ -1,0 +1,66 @@
+//! Files that appear whole or not at all: written beside under another name, then renamed.
+
+use std::fs::File;
+use std::io::{BufWriter, Seek, Write};
+use std::path::Path;
+
+use crate::error::{Error, Result};
+
+/// A destination that can be written and wound back.
+pub trait Sink: Write + Seek {}
+impl<T: Write + Seek> Sink for T {}
+
+/// Writes a file through `fill`. Until it has returned, and when it fails, `path` stays as it was.
+pub fn write_whole(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> std::io::Result<()>) -> Result<()> {
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let fail = || Error::io(path, "write");
+    let mut beside = beside(folder).map_err(fail())?;
+    let mut sink = BufWriter::with_capacity(1 << 18, beside.as_file_mut());
+    fill(&mut sink).and_then(|()| sink.flush()).map_err(fail())?;
+    drop(sink);
+    beside.persist(path).map_err(|refused| fail()(refused.error))?;
+    Ok(())
+}
+
+/// Writes a text file whole.
+pub fn write_text(path: &Path, text: &str) -> Result<()> {
+    write_whole(path, |sink| sink.write_all(text.as_bytes()))
+}
+
+fn beside(folder: &Path) -> std::io::Result<tempfile::NamedTempFile<File>> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".sungaze-").suffix(".tmp");
+    // A temporary file is private by default; this one becomes a file like any other.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file_and_nothing_beside_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("report.json");
+        write_text(&path, "old").unwrap();
+        let broken = |sink: &mut dyn Sink| {
+            sink.write_all(b"half of the n")?;
+            Err(std::io::Error::from(std::io::ErrorKind::StorageFull))
+        };
+        let error = write_whole(&path, broken).unwrap_err().to_string();
+        assert!(error.contains("report.json: cannot write"), "{error}");
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "old");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_folder_that_is_not_there_is_reported_with_the_file() {
+        let error = write_text(Path::new("/no/such/folder/a.txt"), "").unwrap_err();
+        assert!(error.to_string().starts_with("/no/such/folder/a.txt: cannot write"), "{error}");
+    }
+}

@@ -1,0 +1,255 @@
+//! A picture in an OpenEXR file: which part and layer it is, what its planes mean, and the way from blocks to planes.
+
+use std::path::Path;
+
+use exr::meta::attribute::{AttributeValue, SampleType};
+use exr::meta::header::Header as PartHeader;
+use half::f16;
+use rayon::prelude::*;
+
+use crate::error::{Error, Result};
+use crate::frames::census::{Census, Mending, verdict};
+use crate::frames::channels::{Choice, Offer, choose, listed};
+use crate::frames::exr_file::{ExrFile, Part, Place, Stored};
+use crate::frames::footage::Picture;
+use crate::frames::{Header, Kind, NonFinite, ReadOptions};
+use crate::light::{Frame, Planes, Primaries, Projection, Samples};
+use crate::units::Nits;
+
+/// An OpenEXR file with its picture chosen.
+pub(super) struct ExrPicture {
+    pub file: ExrFile,
+    pub part: usize,
+    pub choice: Choice,
+    header: Header,
+    options: ReadOptions,
+}
+
+impl ExrPicture {
+    pub fn open(path: &Path, options: &ReadOptions) -> Result<ExrPicture> {
+        let file = ExrFile::open(path)?;
+        let (part, choice) = chosen(&file, options).map_err(|problem| Error::file(path, problem))?;
+        let (width, height) = file.part(part, options.max_pixels).map(|part| (part.width, part.height))?;
+        let attributes = &file.meta.headers[part].own_attributes;
+        let mut notes = choice.notes.clone();
+        let aspect = file.meta.headers[part].shared_attributes.pixel_aspect;
+        if aspect != 1.0 {
+            notes.push(format!("its pixels are not square (pixelAspectRatio {aspect}); read as square"));
+        }
+        let header = Header {
+            width,
+            height,
+            kind: choice.kind.clone(),
+            white: attributes.white_luminance.filter(|white| *white > 0.0).map(|white| Nits(white.into())),
+            frames_per_second: attributes
+                .frames_per_second
+                .map(|(frames, seconds)| f64::from(frames) / f64::from(seconds))
+                .filter(|rate| rate.is_finite() && *rate > 0.0),
+            notes,
+        };
+        Ok(ExrPicture { file, part, choice, header, options: options.clone() })
+    }
+
+    /// The part with the picture.
+    pub fn part(&self) -> Result<Part<'_>> {
+        self.file.part(self.part, self.options.max_pixels)
+    }
+
+    /// Where the samples of each plane lie.
+    pub fn places(&self, part: &Part) -> Vec<Place> {
+        self.choice.channels.iter().map(|&channel| part.place(channel)).collect()
+    }
+
+    /// The name of the channel behind a plane.
+    pub fn channel(&self, plane: usize) -> String {
+        self.file.meta.headers[self.part].channels.list[self.choice.channels[plane]].name.to_string()
+    }
+
+    /// Whether the frame is to be read with its infinities mended, or refused.
+    fn verdict(&self, census: &Census) -> Result<bool> {
+        verdict(census, self.options.non_finite, |plane| self.channel(plane))
+            .map_err(|problem| Error::file(&self.file.path, problem))
+    }
+
+    fn mending(&self, infinity: Option<f32>) -> Mending {
+        Mending { negative: self.options.negative, infinity }
+    }
+
+    /// Three planes in the file's own numbers.
+    fn rgb<T: Stored>(&self, recycled: Option<Planes>) -> Result<Frame> {
+        let part = self.part()?;
+        let (width, places) = (part.width, self.places(&part));
+        let mut samples: Vec<T> = canvas(recycled, width * part.height * 3, part.covers_display());
+        let counts = part.decode(&mut samples, width * 3, |rows, out, _| {
+            let mut census = Census::default();
+            for (i, y) in rows.rows() {
+                for (plane, &place) in places.iter().enumerate() {
+                    let columns = rows.columns();
+                    let out = &mut out[(i * 3 + plane) * width..][columns.clone()];
+                    rows.fetch(i, place, out);
+                    census.count(out, plane, columns.start, y);
+                    self.mending(None).mend(out);
+                }
+            }
+            census
+        })?;
+        let census = counts.into_iter().fold(Census::default(), Census::plus);
+        if self.verdict(&census)? {
+            let measure = |mut census: Census, row: &[T]| {
+                census.measure(row);
+                census
+            };
+            let rows = samples.par_chunks(width).fold(Census::default, measure);
+            let largest = rows.map(|census| census.largest).reduce(|| 0.0, f32::max);
+            samples.par_chunks_mut(width).for_each(|row| self.mending(Some(largest)).mend(row));
+        }
+        let planes = Planes { width, height: part.height, count: 3, samples: T::into_samples(samples) };
+        Ok(Frame { planes, tally: census.tally })
+    }
+
+    /// The projections of every pixel, block by block.
+    fn spectral(&self, projection: &Projection, recycled: Option<Planes>) -> Result<Frame> {
+        let part = self.part()?;
+        let bands: Vec<usize> = (0..self.choice.channels.len()).collect();
+        let projection = projection.reordered(&bands, &self.choice.scale);
+        let count = projection.rows;
+        let mut sums: Vec<f32> = canvas(recycled, part.width * part.height * count, part.covers_display());
+        let census = self.project(&part, &projection, &mut sums, None)?;
+        if self.verdict(&census)? {
+            self.project(&part, &projection, &mut sums, Some(census.largest))?;
+        }
+        let planes = Planes { width: part.width, height: part.height, count, samples: Samples::Float(sums) };
+        Ok(Frame { planes, tally: census.tally })
+    }
+
+    fn project(&self, part: &Part, projection: &Projection, sums: &mut [f32], infinity: Option<f32>) -> Result<Census> {
+        let (width, places) = (part.width, self.places(part));
+        let mending = self.mending(infinity);
+        let measured = self.options.non_finite == NonFinite::Clamp && infinity.is_none();
+        let counts = part.decode(sums, width * projection.rows, |rows, out, row| {
+            let mut census = Census::default();
+            let columns = rows.columns();
+            row.resize(places.len() * columns.len(), 0.0);
+            let mut partial = vec![0.0; if columns.len() < width { columns.len() * projection.rows } else { 0 }];
+            for (i, y) in rows.rows() {
+                for (band, samples) in row.chunks_exact_mut(columns.len()).enumerate() {
+                    rows.fetch(i, places[band], samples);
+                    census.count(samples, band, columns.start, y);
+                    if measured {
+                        census.measure(samples);
+                    }
+                    mending.mend(samples);
+                }
+                let out = &mut out[i * projection.rows * width..][..projection.rows * width];
+                if columns.len() == width {
+                    projection.project(row, out);
+                } else {
+                    projection.project(row, &mut partial);
+                    for (out, partial) in out.chunks_exact_mut(width).zip(partial.chunks_exact(columns.len())) {
+                        out[columns.clone()].copy_from_slice(partial);
+                    }
+                }
+            }
+            census
+        })?;
+        Ok(counts.into_iter().fold(Census::default(), Census::plus))
+    }
+}
+
+impl Picture for ExrPicture {
+    fn header(&self) -> &Header {
+        &self.header
+    }
+
+    fn decode(&self, projection: Option<&Projection>, recycled: Option<Planes>) -> Result<Frame> {
+        let part = self.part()?;
+        let half = self.places(&part).iter().all(|place| place.kind == SampleType::F16);
+        match (&self.choice.kind, projection) {
+            (Kind::Rgb(_), _) if half => self.rgb::<f16>(recycled),
+            (Kind::Rgb(_), _) => self.rgb::<f32>(recycled),
+            (Kind::Spectral(_), Some(projection)) => self.spectral(projection, recycled),
+            (Kind::Spectral(bands), None) => self.spectral(&Projection::identity(bands.len()), recycled),
+        }
+    }
+}
+
+/// Planes to decode into: recycled ones where they fit, dark where nothing will be written.
+pub(super) fn canvas<T: Stored>(recycled: Option<Planes>, length: usize, covered: bool) -> Vec<T> {
+    let fitting = recycled.and_then(|planes| T::from_samples(planes.samples)).filter(|samples| samples.len() == length);
+    match fitting {
+        Some(mut samples) => {
+            if !covered {
+                samples.fill(T::default());
+            }
+            samples
+        }
+        None => vec![T::default(); length],
+    }
+}
+
+/// The part and the channels of the wanted layer. The problem, if there is one, is a message.
+fn chosen(file: &ExrFile, options: &ReadOptions) -> Result<(usize, Choice), String> {
+    let layer = options.layer.as_str();
+    let headers = file.meta.headers.iter().enumerate();
+    let mut problem = None;
+    for (index, header) in headers {
+        let named = header.own_attributes.layer_name.as_ref().is_some_and(|name| name.to_string() == layer);
+        let prefixes =
+            [(named || layer.is_empty()).then(String::new), (!layer.is_empty()).then(|| format!("{layer}."))];
+        for prefix in prefixes.into_iter().flatten() {
+            match choice_under(header, &prefix, options) {
+                Some(Ok(choice)) => return Ok((index, choice)),
+                Some(Err(message)) => problem = problem.or(Some(message)),
+                None => {}
+            }
+        }
+    }
+    Err(problem.unwrap_or_else(|| format!("has no layer `{layer}`; it has {}", layers(file))))
+}
+
+/// The picture among the channels whose names begin with `prefix`; `None` where there are no such channels.
+fn choice_under(header: &PartHeader, prefix: &str, options: &ReadOptions) -> Option<Result<Choice, String>> {
+    let all: Vec<String> = header.channels.list.iter().map(|channel| channel.name.to_string()).collect();
+    let inside = |(i, name): (usize, &String)| Some((i, name.strip_prefix(prefix)?.to_owned()));
+    let (indices, names): (Vec<usize>, Vec<String>) = all.iter().enumerate().filter_map(inside).unzip();
+    let told = |name: &str| {
+        let wanted = format!("{prefix}{name}.wavelength");
+        let attributes = &header.own_attributes.other;
+        match attributes.iter().find(|(key, _)| key.to_string() == wanted)?.1 {
+            AttributeValue::F32(metres) => Some(f64::from(*metres)),
+            AttributeValue::F64(metres) => Some(*metres),
+            _ => None,
+        }
+    };
+    let primaries = header.shared_attributes.chromaticities.map(|c| {
+        let point = |v: exr::math::Vec2<f32>| [decimal(v.0), decimal(v.1)];
+        Primaries { red: point(c.red), green: point(c.green), blue: point(c.blue), white: point(c.white) }
+    });
+    (!names.is_empty()).then(|| {
+        let mut choice = choose(&Offer { names: &names, told: &told, primaries }, options)?;
+        choice.channels.iter_mut().for_each(|channel| *channel = indices[*channel]);
+        Ok(choice)
+    })
+}
+
+/// The shortest decimal number that a float stands for: 0.64, not 0.639999986.
+fn decimal(value: f32) -> f64 {
+    value.to_string().parse().unwrap_or(f64::from(value))
+}
+
+/// Names of parts, and of layers inside them.
+fn layers(file: &ExrFile) -> String {
+    let mut names: Vec<String> = Vec::new();
+    for header in &file.meta.headers {
+        names.extend(header.own_attributes.layer_name.as_ref().map(|name| name.to_string()));
+        let channels = header.channels.list.iter().map(|channel| channel.name.to_string());
+        names.extend(channels.filter_map(|name| name.rsplit_once('.').map(|(layer, _)| layer.to_owned())));
+    }
+    names.sort();
+    names.dedup();
+    if names.is_empty() {
+        "none, so leave `layer` empty".into()
+    } else {
+        listed(&names).replacen("channel", "layer", 1)
+    }
+}

@@ -1,0 +1,210 @@
+//! Which file shows which frame: patterns, lists, ranges and gaps.
+
+use std::path::{Path, PathBuf};
+
+use crate::error::{Error, Result};
+use crate::frames::pattern::Pattern;
+use crate::frames::range;
+
+/// What a number without a file is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Missing {
+    /// An error that names the numbers.
+    #[default]
+    Error,
+    /// The frame before is held.
+    Hold,
+}
+
+/// Numbered frames and the files that show them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sequence {
+    /// The number of each frame, rising.
+    pub numbers: Vec<u32>,
+    /// The files, each once.
+    pub files: Vec<PathBuf>,
+    /// For each frame the index of its file.
+    pub shows: Vec<usize>,
+    /// The numbers that had no file and show the one before.
+    pub held: Vec<u32>,
+}
+
+impl Sequence {
+    /// Finds the files of one pattern, one still, or a list of files. A still counts as 1, a list from 1 on. An
+    /// empty `range` is all that are there, from the first to the last in even steps.
+    pub fn find(frames: &[String], folder: &Path, range: &str, missing: Missing) -> Result<Sequence> {
+        let found = match frames {
+            [] => return Err(Error::config("[input]", "frames", "names no file")),
+            [one] => numbered(one, folder)?,
+            list => {
+                let paths = list.iter().map(|name| existing(folder.join(name)));
+                (1..).zip(paths).map(|(number, path)| Ok((number, path?))).collect::<Result<_>>()?
+            }
+        };
+        let wanted = if range.is_empty() {
+            even_steps(&found)?
+        } else {
+            range::parse(range).map_err(|problem| Error::config("[input]", "range", problem))?
+        };
+        let name = folder.join(&frames[0]);
+        laid_out(&name, &found, wanted, missing)
+    }
+}
+
+/// The numbered files of a pattern, or the one file of that name.
+fn numbered(name: &str, folder: &Path) -> Result<Vec<(u32, PathBuf)>> {
+    let path = folder.join(name);
+    match Pattern::parse(&path).map_err(|problem| Error::config("[input]", "frames", problem))? {
+        Some(pattern) if !path.is_file() => pattern.files(),
+        _ => Ok(vec![(1, existing(path)?)]),
+    }
+}
+
+fn existing(path: PathBuf) -> Result<PathBuf> {
+    if path.is_file() {
+        return Ok(path);
+    }
+    let problem = if path.is_dir() { "is a folder; name a file or a pattern in it".into() } else { absent(&path) };
+    Err(Error::file(path, problem))
+}
+
+/// What stands instead of a file that is not there.
+pub(super) fn absent(path: &Path) -> String {
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let Ok(entries) = std::fs::read_dir(folder) else {
+        return format!("not found: there is no folder {}", folder.display());
+    };
+    let alike = |name: &String| Path::new(name).extension() == path.extension();
+    let names = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
+    let mut names: Vec<String> = names.filter(alike).collect();
+    names.sort();
+    let more = if names.len() > 4 { format!(" and {} more", names.len() - 4) } else { String::new() };
+    names.truncate(4);
+    let found = if names.is_empty() { "no file of that kind".into() } else { names.join(", ") };
+    format!("not found; in {} there is {found}{more}", folder.display())
+}
+
+/// Numbers from the first to the last in the largest step that meets them all.
+fn even_steps(found: &[(u32, PathBuf)]) -> Result<Vec<u32>> {
+    let (Some(first), Some(last)) = (found.first(), found.last()) else { return Ok(Vec::new()) };
+    let step = found.windows(2).map(|pair| pair[1].0 - pair[0].0).fold(0, gcd).max(1);
+    let count = (last.0 - first.0) / step;
+    if count as usize >= range::LONGEST {
+        let problem = format!("runs from number {} to {}; at most {} frames are read", first.0, last.0, range::LONGEST);
+        return Err(Error::file(&last.1, problem));
+    }
+    Ok((0..=count).map(|i| first.0 + i * step).collect())
+}
+
+fn gcd(a: u32, b: u32) -> u32 {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
+/// Gives each wanted number its file, and each gap the policy's.
+fn laid_out(name: &Path, found: &[(u32, PathBuf)], wanted: Vec<u32>, missing: Missing) -> Result<Sequence> {
+    let file_of = |number: u32| found.binary_search_by_key(&number, |found| found.0).ok();
+    let held: Vec<u32> = wanted.iter().copied().filter(|&number| file_of(number).is_none()).collect();
+    let nothing_to_hold = held.first().is_some() && held.first() == wanted.first();
+    if !held.is_empty() && (missing == Missing::Error || nothing_to_hold) {
+        let hint = if nothing_to_hold {
+            "the first of them has none before it to hold"
+        } else {
+            "missing = \"hold\" shows the one before"
+        };
+        let there = match (found.first(), found.last()) {
+            (Some(first), Some(last)) => format!("{} are there, {} to {}", found.len(), first.0, last.0),
+            _ => "none is there".into(),
+        };
+        return Err(Error::file(name, format!("numbers {} have no file ({there}); {hint}", range::show(&held))));
+    }
+    let mut files: Vec<PathBuf> = Vec::new();
+    let mut shows = Vec::with_capacity(wanted.len());
+    for &number in &wanted {
+        if let Some(at) = file_of(number) {
+            files.push(found[at].1.clone());
+        }
+        shows.push(files.len() - 1);
+    }
+    Ok(Sequence { numbers: wanted, files, shows, held })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn folder(names: &[&str]) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        for name in names {
+            std::fs::write(folder.path().join(name), "").unwrap();
+        }
+        folder
+    }
+
+    fn find(folder: &tempfile::TempDir, frames: &[&str], range: &str, missing: Missing) -> Result<Sequence, String> {
+        let frames: Vec<String> = frames.iter().map(|name| name.to_string()).collect();
+        Sequence::find(&frames, folder.path(), range, missing).map_err(|error| error.to_string())
+    }
+
+    const SUN: [&str; 6] =
+        ["sun.0001.exr", "sun.0002.exr", "sun.0004.exr", "sun.10000.exr", "sun.x.exr", "other.0003.exr"];
+
+    #[test]
+    fn every_way_to_write_four_digits_finds_the_same_files() {
+        let folder = folder(&SUN);
+        for name in ["sun.####.exr", "sun.%04d.exr", "sun.$F4.exr", "sun.@@@@.exr"] {
+            let found = find(&folder, &[name], "1-2,4,10000", Missing::Error).unwrap();
+            assert_eq!(found.numbers, [1, 2, 4, 10000], "{name}");
+            assert!(found.files[3].ends_with("sun.10000.exr"));
+        }
+    }
+
+    #[test]
+    fn a_gap_is_an_error_that_names_it_or_shows_the_frame_before() {
+        let folder = folder(&SUN[..3]);
+        let message = find(&folder, &["sun.####.exr"], "", Missing::Error).unwrap_err();
+        assert!(message.contains("numbers 3 have no file") && message.contains("sun.####.exr"), "{message}");
+        let held = find(&folder, &["sun.####.exr"], "", Missing::Hold).unwrap();
+        assert_eq!((held.numbers, held.shows, held.held), (vec![1, 2, 3, 4], vec![0, 1, 1, 2], vec![3]));
+        let message = find(&folder, &["sun.####.exr"], "0-2", Missing::Hold).unwrap_err();
+        assert!(message.contains("none before it"), "{message}");
+    }
+
+    #[test]
+    fn every_second_frame_is_a_sequence_without_gaps() {
+        let folder = folder(&["a.1.exr", "a.3.exr", "a.7.exr", "a.5.exr"]);
+        assert_eq!(find(&folder, &["a.@.exr"], "", Missing::Error).unwrap().numbers, [1, 3, 5, 7]);
+    }
+
+    #[test]
+    fn four_signs_take_other_lengths_only_where_there_is_no_doubt() {
+        let short = folder(&["a.1.exr", "a.2.exr", "a.12.exr"]);
+        assert_eq!(find(&short, &["a.####.exr"], "1-2", Missing::Error).unwrap().files.len(), 2);
+        for both in [["a.0001.exr", "a.2.exr"], ["a.1.exr", "a.01.exr"]] {
+            let message = find(&folder(&both), &["a.####.exr"], "", Missing::Error).unwrap_err();
+            assert!(both.iter().all(|name| message.contains(name)), "{message}");
+        }
+    }
+
+    #[test]
+    fn stills_and_lists_count_from_one() {
+        let folder = folder(&["b.exr", "a#1.exr", "c.exr"]);
+        assert_eq!(find(&folder, &["a#1.exr"], "", Missing::Error).unwrap().numbers, [1]);
+        let list = find(&folder, &["c.exr", "b.exr"], "", Missing::Error).unwrap();
+        assert!(list.files[0].ends_with("c.exr"));
+        assert_eq!(list.numbers, [1, 2]);
+    }
+
+    #[test]
+    fn what_is_not_there_is_answered_with_what_is() {
+        let folder = folder(&SUN);
+        let message = find(&folder, &["sin.exr"], "", Missing::Error).unwrap_err();
+        assert!(message.contains("not found; in ") && message.contains("other.0003.exr"), "{message}");
+        let message = find(&folder, &["moon.####.exr"], "", Missing::Error).unwrap_err();
+        assert!(message.contains("moon.####.exr") && message.contains("sun.0001.exr"), "{message}");
+        let message = find(&folder, &["no/folder/sun.####.exr"], "", Missing::Error).unwrap_err();
+        assert!(message.contains("there is no folder"), "{message}");
+    }
+}
