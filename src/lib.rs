@@ -2,6 +2,8 @@
 
 pub mod error;
 pub mod frames;
+pub mod kinetics;
 pub mod light;
 pub mod spectrum;
+pub mod step;
 pub mod units;
