@@ -12,6 +12,7 @@ pub mod kinetics;
 pub mod light;
 pub mod percept;
 pub mod retina;
+pub mod run;
 pub mod spectrum;
 pub mod step;
 pub mod units;

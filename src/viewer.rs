@@ -135,21 +135,6 @@ impl Viewer {
             .filter(move |&[x, y]| inside(x, y))
     }
 
-    /// Luminances of a frame, gathered for the pupil and the display.
-    pub fn survey(&self, planes: &Planes) -> Survey {
-        let cells = Cells::new(planes.width, planes.height, self.pixels_per_degree);
-        let weights: Vec<f32> = self.vision.luminance.iter().map(|&w| w as f32).collect();
-        let scratch = || (vec![0.0; planes.width * planes.count], vec![0.0; planes.width]);
-        let rows: Vec<_> = (0..planes.height)
-            .into_par_iter()
-            .map_init(scratch, |(light, luminance), y| {
-                kernel::combine(planes.row(y).as_f32(light), &weights, luminance);
-                cells.row(luminance)
-            })
-            .collect();
-        cells.gather(rows)
-    }
-
     /// Looks at a frame for a while. `gaze`: where, in pixels.
     pub fn look(&mut self, planes: &Planes, survey: &Survey, gaze: [f64; 2], duration: Seconds) -> Look {
         let first = *self.first_gaze.get_or_insert(gaze);
@@ -300,6 +285,21 @@ impl Viewer {
         pigment.resample([x as f64 - shift[0] - x0 as f64, y as f64 - shift[1] - y0 as f64], &mut p);
         p
     }
+}
+
+/// Luminances of a frame, gathered for the pupil and the display.
+pub fn survey(vision: &Vision, planes: &Planes, pixels_per_degree: f64) -> Survey {
+    let cells = Cells::new(planes.width, planes.height, pixels_per_degree);
+    let weights: Vec<f32> = vision.luminance.iter().map(|&w| w as f32).collect();
+    let scratch = || (vec![0.0; planes.width * planes.count], vec![0.0; planes.width]);
+    let rows: Vec<_> = (0..planes.height)
+        .into_par_iter()
+        .map_init(scratch, |(light, luminance), y| {
+            kernel::combine(planes.row(y).as_f32(light), &weights, luminance);
+            cells.row(luminance)
+        })
+        .collect();
+    cells.gather(rows)
 }
 
 fn census_of(td: &[f32], p: &[f64]) -> Census {

@@ -3,7 +3,8 @@
 use crate::display::{Ceiling, Display, Tone};
 use crate::error::{Error, Result};
 use crate::eye::{Directional, Dynamics, Field, Narrowing, Observer, Reading, Rule, Set, Steepness};
-use crate::frames::{ChannelNames, Negative, NonFinite, Quantity, ReadOptions, Wanted};
+use crate::frames::builtin::{Ground, Sunset};
+use crate::frames::{self, ChannelNames, Compression, Negative, NonFinite, Quantity, ReadOptions, Sequence, Wanted};
 use crate::kinetics::{Kinetics, Law};
 use crate::retina::Model;
 use crate::step::Method;
@@ -78,7 +79,8 @@ impl Config {
         })
     }
 
-    fn optical_density(&self) -> [f64; 3] {
+    /// Peak optical densities in force.
+    pub fn optical_density(&self) -> [f64; 3] {
         let o = &self.settings.observer;
         let field = if o.field_deg == 2 { Field::TwoDegrees } else { Field::TenDegrees };
         let set = if o.fundamentals == SetKey::Smj1993 { Set::Smj1993 } else { Set::Cie2006 };
@@ -172,7 +174,9 @@ impl Config {
     pub fn compression(&self) -> Result<Compression> {
         match self.settings.output.compression.as_str() {
             "auto" => Ok(Compression::Zip),
-            name => name.parse().map_err(|problem: String| self.wrong("output.compression", format!("{problem}, auto"))),
+            name => {
+                name.parse().map_err(|problem: String| self.wrong("output.compression", format!("{problem}, auto")))
+            }
         }
     }
 

@@ -12,11 +12,13 @@ mod names;
 mod pattern;
 mod range;
 mod sequence;
+mod state;
 mod written;
 mod zip;
 
 pub use footage::open;
 pub use sequence::{Missing, Sequence};
+pub use state::{read_state, write_state};
 pub use written::{About, Compression, write_exr, write_png};
 
 use crate::error::Error;

@@ -1,0 +1,126 @@
+//! Arguments, exit codes, and who prints what: results on stdout, everything else on stderr.
+
+mod completions;
+mod run;
+mod watch;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, CommandFactory, Parser, Subcommand};
+
+use sungaze::error::{Error, Result};
+use sungaze::run::Existing;
+
+/// What a person sees while staring at a bright light.
+#[derive(Parser)]
+#[command(version, about, arg_required_else_help = true, infer_subcommands = true)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Take a frame sequence through the eye. Without CONFIG: the built-in sunset.
+    #[command(after_help = "Example:\n  sungaze run configs/sunset.toml --set observer.age=60 --out out/sixty")]
+    Run {
+        /// A TOML file; without one, the built-in defaults.
+        config: Option<PathBuf>,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Say what frame files hold: kind, bands or primaries, size, luminance, bad samples.
+    #[command(after_help = "Example:\n  sungaze inspect data/sunset_mitsuba.exr")]
+    Inspect {
+        #[arg(required = true)]
+        files: Vec<PathBuf>,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Print a completion script for a shell.
+    #[command(after_help = "Example:\n  sungaze completions bash > ~/.local/share/bash-completion/completions/sungaze")]
+    Completions { shell: clap_complete::Shell },
+}
+
+/// Flags that every command knows.
+#[derive(Args, Clone)]
+pub struct Common {
+    /// Folder for everything that is written [default: out/<config name>]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Any key of the configuration, dotted: observer.age=60. Repeatable.
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Threads to work with [default: all]. Results do not depend on it.
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+    /// No progress and no notes, only warnings and errors.
+    #[arg(long)]
+    quiet: bool,
+    /// Results on stdout as JSON.
+    #[arg(long)]
+    json: bool,
+    /// Go on where an interrupted run stopped.
+    #[arg(long)]
+    resume: bool,
+    /// Replace what an earlier run left in the folder.
+    #[arg(long, conflicts_with = "resume")]
+    overwrite: bool,
+}
+
+impl Common {
+    fn existing(&self) -> Existing {
+        match (self.resume, self.overwrite) {
+            (true, _) => Existing::Resume,
+            (_, true) => Existing::Overwrite,
+            _ => Existing::Refuse,
+        }
+    }
+
+    fn folder(&self, name: &str) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(name))
+    }
+
+    /// One pool for everything, of the size that was asked for.
+    fn pool(&self) -> Result<()> {
+        let threads = self.threads.unwrap_or(0);
+        if self.threads == Some(0) || threads > 1024 {
+            return Err(Error::config("--threads", threads.to_string(), "accepted: 1 to 1024"));
+        }
+        let built = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
+        built.map_err(|e| Error::config("--threads", threads.to_string(), e.to_string()))
+    }
+}
+
+/// Parses the arguments, runs the command and gives the exit code.
+pub fn main() -> ExitCode {
+    let command = Cli::parse().command;
+    match dispatch(command) {
+        Ok(code) => code,
+        Err(error) => {
+            eprintln!("sungaze: {error}");
+            ExitCode::from(error.exit_code())
+        }
+    }
+}
+
+fn dispatch(command: Command) -> Result<ExitCode> {
+    match command {
+        Command::Run { config, common } => run::command(config.as_deref(), &common),
+        Command::Inspect { files, common } => {
+            let _ = (files, common);
+            Ok(ExitCode::SUCCESS)
+        }
+        Command::Completions { shell } => {
+            completions::command(shell, &mut Cli::command());
+            Ok(ExitCode::SUCCESS)
+        }
+    }
+}
+
+/// Prints a line of results. A reader that has gone away is not an error.
+pub fn say(text: &str) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stdout().lock(), "{text}");
+}

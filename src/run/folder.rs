@@ -1,0 +1,103 @@
+//! The run's folder: empty, to be gone on with, or to be written over.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use crate::error::{Error, Result};
+use crate::run::checkpoint::{self, Checkpoint};
+
+/// What to do with a folder that is not empty.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Existing {
+    /// Refuse it.
+    #[default]
+    Refuse,
+    /// Go on where an earlier run of the same configuration stopped.
+    Resume,
+    /// Remove what an earlier run left, and start afresh.
+    Overwrite,
+}
+
+/// What was found.
+pub enum Prepared {
+    Fresh,
+    Resume(Box<Checkpoint>),
+    /// A complete run of the same configuration: its report.
+    Complete(Value),
+}
+
+/// Makes the folder ready for a run of a configuration.
+pub fn prepare(folder: &Path, existing: Existing, config: &Value) -> Result<Prepared> {
+    std::fs::create_dir_all(folder).map_err(Error::io(folder, "create"))?;
+    let empty = std::fs::read_dir(folder).map_err(Error::io(folder, "read"))?.next().is_none();
+    match existing {
+        _ if empty => Ok(Prepared::Fresh),
+        Existing::Refuse => Err(Error::config(
+            "--out",
+            folder.display().to_string(),
+            "is not empty: give --resume to go on with a run, --overwrite to replace it, or another folder",
+        )),
+        Existing::Overwrite => remove(folder, |_| true).map(|()| Prepared::Fresh),
+        Existing::Resume => resume(folder, config),
+    }
+}
+
+fn resume(folder: &Path, config: &Value) -> Result<Prepared> {
+    if let Some(checkpoint) = Checkpoint::read(folder)? {
+        same(folder, &checkpoint.config, config)?;
+        remove(folder, |name| frame_number(name).is_some_and(|n| n > checkpoint.last_frame))?;
+        return Ok(Prepared::Resume(Box::new(checkpoint)));
+    }
+    let path = folder.join("report.json");
+    if let Some(report) = std::fs::read_to_string(&path).ok().and_then(|text| serde_json::from_str::<Value>(&text).ok())
+    {
+        same(folder, &report["config"], config)?;
+        return Ok(Prepared::Complete(report));
+    }
+    remove(folder, |_| true).map(|()| Prepared::Fresh)
+}
+
+fn same(folder: &Path, earlier: &Value, now: &Value) -> Result<()> {
+    match checkpoint::difference(earlier, now) {
+        None => Ok(()),
+        Some(key) => {
+            let at = |config: &Value| {
+                key.split('.').fold(Some(config), |v, part| v?.get(part)).map_or("nothing".into(), Value::to_string)
+            };
+            let problem = format!(
+                "{}: the earlier run had {}, this one has {}; resume with the same settings, or --overwrite",
+                folder.display(),
+                at(earlier),
+                at(now)
+            );
+            Err(Error::config("--resume", &key, problem))
+        }
+    }
+}
+
+/// Removes files that a run writes and that `which` picks by name. Other people's files stay.
+fn remove(folder: &Path, which: impl Fn(&str) -> bool) -> Result<()> {
+    for entry in std::fs::read_dir(folder).map_err(Error::io(folder, "read"))? {
+        let path: PathBuf = entry.map_err(Error::io(folder, "read"))?.path();
+        let name = path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        if is_ours(&name) && which(&name) && path.is_file() {
+            std::fs::remove_file(&path).map_err(Error::io(&path, "remove"))?;
+        }
+    }
+    Ok(())
+}
+
+fn is_ours(name: &str) -> bool {
+    let fixed = ["trace.csv", "probes.csv", "probes.svg", "report.json", "state.exr", checkpoint::NAME];
+    fixed.contains(&name) || frame_number(name).is_some() || (name.starts_with(".sungaze-") && name.ends_with(".tmp"))
+}
+
+/// The number in `seen.0001.exr` and its like.
+fn frame_number(name: &str) -> Option<u32> {
+    let forms = [("seen.", ".exr"), ("display.", ".png"), ("state.", ".exr")];
+    forms.iter().find_map(|(head, tail)| {
+        let number = name.strip_prefix(head)?.strip_suffix(tail)?;
+        number.bytes().all(|b| b.is_ascii_digit()).then(|| number.parse().ok())?
+    })
+}

@@ -1,0 +1,114 @@
+//! Where the eye looks, frame by frame.
+
+use std::path::Path;
+
+use crate::config::Config;
+use crate::config::settings::{Aim, Seek};
+use crate::display::Survey;
+use crate::error::{Error, Result};
+
+/// Where the eye looks over a run, in fractions of width and height.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Gaze {
+    At([f64; 2]),
+    Brightest,
+    BrightestEach,
+    /// Points in time, rising: straight lines between them, the ends go on.
+    Path(Vec<(f64, [f64; 2])>),
+}
+
+impl Gaze {
+    /// The gaze of `[gaze]`.
+    pub fn of(config: &Config) -> Result<Gaze> {
+        let keys = &config.settings.gaze;
+        if let Some(path) = &keys.path {
+            return Gaze::from_file(&config.path(path));
+        }
+        Ok(match keys.at {
+            Aim::At(at) => Gaze::At(at),
+            Aim::Seek(Seek::Brightest) => Gaze::Brightest,
+            Aim::Seek(Seek::BrightestEach) => Gaze::BrightestEach,
+        })
+    }
+
+    fn from_file(path: &Path) -> Result<Gaze> {
+        let text = std::fs::read_to_string(path).map_err(Error::io(path, "read"))?;
+        parse_path(&text).map(Gaze::Path).map_err(|problem| Error::file(path, problem))
+    }
+
+    /// The point looked at in pixels, for the frame that ends at `time`. `first`: where the first look went.
+    pub fn pixel(&self, time: f64, survey: &Survey, size: [usize; 2], first: Option<[f64; 2]>) -> [f64; 2] {
+        let of_fraction = |at: [f64; 2]| [0, 1].map(|i| at[i] * size[i] as f64 - 0.5);
+        let brightest = [survey.brightest.0 as f64, survey.brightest.1 as f64];
+        match self {
+            Gaze::At(at) => of_fraction(*at),
+            Gaze::Brightest => first.unwrap_or(brightest),
+            Gaze::BrightestEach => brightest,
+            Gaze::Path(points) => of_fraction(along(points, time)),
+        }
+    }
+}
+
+/// The point of a path at a time.
+fn along(points: &[(f64, [f64; 2])], time: f64) -> [f64; 2] {
+    let next = points.partition_point(|&(t, _)| t <= time);
+    match (next.checked_sub(1).map(|i| points[i]), points.get(next)) {
+        (Some((t0, a)), Some(&(t1, b))) => [0, 1].map(|i| a[i] + (b[i] - a[i]) * (time - t0) / (t1 - t0)),
+        (Some((_, at)), None) | (None, Some(&(_, at))) => at,
+        (None, None) => [0.5, 0.5],
+    }
+}
+
+/// Reads `time_s,x,y` rows.
+fn parse_path(text: &str) -> Result<Vec<(f64, [f64; 2])>, String> {
+    let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
+    let header = lines.next().map(|(_, line)| line.trim().to_owned()).unwrap_or_default();
+    if header != "time_s,x,y" {
+        return Err(format!("found the header {header:?}; accepted: time_s,x,y"));
+    }
+    let mut points: Vec<(f64, [f64; 2])> = Vec::new();
+    for (i, line) in lines {
+        let cells: Vec<f64> = line.split(',').map_while(|cell| cell.trim().parse().ok()).collect();
+        let sound = |c: &&[f64]| c[0].is_finite() && c[1..].iter().all(|v| (0.0..=1.0).contains(v));
+        let Some(&[time, x, y]) = Some(&cells[..]).filter(|c| c.len() == 3 && sound(c)).and_then(|c| c.first_chunk())
+        else {
+            return Err(format!(
+                "line {}: found {line:?}; accepted: a time in s and two fractions of the picture, 0 to 1",
+                i + 1
+            ));
+        };
+        if points.last().is_some_and(|&(before, _)| before >= time) {
+            return Err(format!("line {}: time {time} does not rise", i + 1));
+        }
+        points.push((time, [x, y]));
+    }
+    if points.is_empty() { Err("holds no point; accepted: rows of time_s,x,y".into()) } else { Ok(points) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_is_straight_between_its_points_and_rests_at_its_ends() {
+        let points = parse_path("time_s,x,y\n0,0.5,0.5\n2,0.5,0.5\n# a comment\n3,0.9,0.1\n").unwrap();
+        assert_eq!(along(&points, -1.0), [0.5, 0.5]);
+        assert_eq!(along(&points, 2.5), [0.7, 0.3]);
+        assert_eq!(along(&points, 9.0), [0.9, 0.1]);
+    }
+
+    #[test]
+    fn a_wrong_path_is_refused_with_its_line() {
+        for (text, told) in [
+            ("", "header"),
+            ("time_s,x,y\n", "no point"),
+            ("time_s,x,y\n0,0.5\n", "line 2"),
+            ("time_s,x,y\n0,0.5,0.5\n0,0.6,0.5\n", "line 3"),
+            ("time_s,x,y\n0,0.5,1.5\n", "line 2"),
+            ("time_s,x,y\n0,NaN,0.5\n", "line 2"),
+        ] {
+            let problem = parse_path(text).unwrap_err();
+            assert!(problem.contains(told), "{text:?}: {problem}");
+        }
+    }
+}

@@ -1,0 +1,114 @@
+//! Rows of `trace.csv` and `probes.csv`.
+
+use crate::colour::chromaticity;
+use crate::config::Config;
+use crate::light::Planes;
+use crate::run::schedule::Step;
+use crate::units::Millimetres;
+use crate::viewer::{Look, Viewer};
+
+/// Header of `trace.csv`.
+pub const TRACE: &str = "frame,time_s,duration_s,gaze_x,gaze_y,adapting_cd_m2,pupil_mm,sce_L,sce_M,sce_S,\
+fovea_bleached_L,fovea_bleached_M,fovea_bleached_S,max_bleached_L,max_bleached_M,max_bleached_S,model\n";
+
+/// Header of `probes.csv`.
+pub const PROBES: &str = "frame,time_s,probe,I_L,I_M,I_S,p_L,p_M,p_S,X,Y,Z,x,y\n";
+
+/// A point of the picture that is traced through time; `None`: the gaze itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Probe {
+    pub name: String,
+    at: Option<[f64; 2]>,
+}
+
+/// What a probe found in one frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reading {
+    pub probe: String,
+    /// Cone illuminance, td.
+    pub illuminance: [f64; 3],
+    /// Unbleached fractions.
+    pub p: [f64; 3],
+    /// The percept, cd/m2.
+    pub xyz: [f64; 3],
+}
+
+impl Reading {
+    /// The columns from `probe` on.
+    pub fn columns(&self) -> String {
+        let [x, y] = chromaticity(self.xyz);
+        let numbers = [self.illuminance, self.p, self.xyz].concat().into_iter().chain([x, y]);
+        numbers.fold(self.probe.clone(), |row, v| format!("{row},{v}"))
+    }
+
+    /// Chromaticity of the percept.
+    pub fn chromaticity(&self) -> [f64; 2] {
+        chromaticity(self.xyz)
+    }
+}
+
+/// The probes of a configuration; without one, the gaze.
+pub fn probes(config: &Config) -> Vec<Probe> {
+    let written = &config.settings.output.probe;
+    if written.is_empty() {
+        return vec![Probe { name: "gaze".into(), at: None }];
+    }
+    written.iter().map(|probe| Probe { name: probe.name.clone(), at: Some(probe.at) }).collect()
+}
+
+impl Probe {
+    /// The probe's pixel: floor(at * size), inside the picture.
+    fn pixel(&self, size: [usize; 2], gaze: [f64; 2]) -> [usize; 2] {
+        [0, 1].map(|i| {
+            let pixel = self.at.map_or(gaze[i].round(), |at| (at[i] * size[i] as f64).floor());
+            (pixel.max(0.0) as usize).min(size[i] - 1)
+        })
+    }
+
+    /// Reads the probe after a look.
+    pub fn read(&self, viewer: &Viewer, planes: &Planes, look: &Look, gaze: [f64; 2]) -> Reading {
+        let pixel = self.pixel([planes.width, planes.height], gaze);
+        let p = viewer.fractions_at(look.shift, pixel);
+        let moments = viewer.vision.moments(planes, pixel[0], pixel[1]);
+        Reading {
+            probe: self.name.clone(),
+            illuminance: viewer.illuminance_at(planes, look.pupil, gaze, pixel),
+            p,
+            xyz: viewer.vision.xyz(viewer.vision.catch(&moments, p)),
+        }
+    }
+}
+
+/// The row of `trace.csv`.
+pub fn trace_row(viewer: &Viewer, planes: &Planes, look: &Look, gaze: [f64; 2], step: &Step) -> String {
+    let size = [planes.width, planes.height];
+    let at = [0, 1].map(|i| (gaze[i] + 0.5) / size[i] as f64);
+    let sce = viewer.vision.observer.equal_energy_weight(look.pupil, Millimetres(0.0));
+    let fovea = foveal_bleaching(viewer, size, look, gaze);
+    let most = look.census.least.map(|p| 1.0 - p);
+    let numbers = [step.end(), step.duration, at[0], at[1], look.adapting.0, look.pupil.0];
+    let numbers = numbers.into_iter().chain(sce).chain(fovea).chain(most);
+    let row = numbers.fold(step.number.to_string(), |row, v| format!("{row},{v}"));
+    format!("{row},{}\n", viewer.model.name())
+}
+
+/// Mean bleached fraction over the fovea around the gaze.
+fn foveal_bleaching(viewer: &Viewer, size: [usize; 2], look: &Look, gaze: [f64; 2]) -> [f64; 3] {
+    let (mut sum, mut count) = ([0.0; 3], 0.0);
+    for pixel in viewer.fovea(size[0], size[1], gaze) {
+        let p = viewer.fractions_at(look.shift, pixel);
+        (0..3).for_each(|k| sum[k] += 1.0 - p[k]);
+        count += 1.0;
+    }
+    if count == 0.0 {
+        let nearest = [0, 1].map(|i| (gaze[i].round().max(0.0) as usize).min(size[i] - 1));
+        return viewer.fractions_at(look.shift, nearest).map(|p| 1.0 - p);
+    }
+    sum.map(|s| s / count)
+}
+
+/// The rows of `probes.csv` of one frame.
+pub fn probe_rows(readings: &[Reading], step: &Step) -> String {
+    let row = |r: &Reading| format!("{},{},{}\n", step.number, step.end(), r.columns());
+    readings.iter().map(row).collect()
+}

@@ -1,0 +1,130 @@
+//! `report.json`: what was run, with which constants, what was left out, what went wrong, and how long it took.
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use crate::config::Config;
+use crate::constants;
+use crate::eye::CONES;
+use crate::light::Tally;
+use crate::viewer::Census;
+
+/// What a run has met so far; part of a checkpoint.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Counters {
+    pub nan: u64,
+    pub infinite: u64,
+    pub negative: u64,
+    pub clipped: u64,
+    /// Frames with NaN or Inf that a policy let go on.
+    pub mended_frames: Vec<u32>,
+    /// Frames that had no file and showed the one before.
+    pub held_frames: Vec<u32>,
+    /// Percept samples beyond what a half float holds.
+    pub limited: u64,
+    /// First time, s, and greatest share of the retina with more than half of its S pigment bleached.
+    pub s_past_half_from_s: Option<f64>,
+    pub s_past_half_share: f64,
+    /// First frame that took a method past its limit: its message.
+    pub method_past_limit: Option<String>,
+}
+
+impl Counters {
+    /// Adds what was wrong with one frame's samples.
+    pub fn count(&mut self, frame: u32, tally: Tally) {
+        self.nan += tally.nan;
+        self.infinite += tally.infinite;
+        self.negative += tally.negative;
+        self.clipped += tally.clipped;
+        if tally.non_finite() > 0 {
+            self.mended_frames.push(frame);
+        }
+    }
+
+    /// Adds what one look met. `places`: how many the retina has.
+    pub fn meet(&mut self, time: f64, census: &Census, places: usize) {
+        self.limited += census.limited;
+        if census.s_past_half > 0 {
+            self.s_past_half_from_s.get_or_insert(time);
+            self.s_past_half_share = self.s_past_half_share.max(census.s_past_half as f64 / places as f64);
+        }
+    }
+
+    /// Whether some frames were bad and a policy let the run go on.
+    pub fn went_on(&self) -> bool {
+        !(self.mended_frames.is_empty() && self.held_frames.is_empty())
+    }
+
+    /// One sentence on bad frames; `None` if there were none.
+    pub fn bad_frames(&self) -> Option<String> {
+        let mut parts = Vec::new();
+        if !self.mended_frames.is_empty() {
+            let (nan, infinite) = (self.nan, self.infinite);
+            parts
+                .push(format!("{nan} NaN and {infinite} infinite samples replaced in {}", frames(&self.mended_frames)));
+        }
+        if !self.held_frames.is_empty() {
+            parts.push(format!("no file for {}: the frame before was held", frames(&self.held_frames)));
+        }
+        if self.negative > 0 {
+            parts.push(format!("{} negative samples met", self.negative));
+        }
+        (!parts.is_empty()).then(|| parts.join("; "))
+    }
+
+    /// Every warning, one sentence each.
+    pub fn warnings(&self) -> Vec<String> {
+        let mut warnings: Vec<String> = self.bad_frames().into_iter().collect();
+        if self.clipped > 0 {
+            warnings.push(format!(
+                "{} samples stand at the top of a display-referred picture: the light there, such as the sun, is cut off",
+                self.clipped
+            ));
+        }
+        if self.limited > 0 {
+            warnings
+                .push(format!("{} samples of the percept were limited to the largest half float, 65504", self.limited));
+        }
+        if let Some(time) = self.s_past_half_from_s {
+            warnings.push(format!(
+                "S cones lost more than half of their pigment from {time:.3} s on, over up to {:.2} % of the retina; \
+                 such bleaching can impair them for long",
+                100.0 * self.s_past_half_share
+            ));
+        }
+        warnings.extend(self.method_past_limit.clone());
+        warnings
+    }
+}
+
+fn frames(numbers: &[u32]) -> String {
+    match numbers {
+        [one] => format!("frame {one}"),
+        [first, .., last] => format!("{} frames ({first} to {last})", numbers.len()),
+        [] => "no frame".into(),
+    }
+}
+
+/// The constants in force and where they come from.
+pub fn constants(config: &Config) -> Value {
+    let o = &config.settings.observer;
+    let set = constants::named(&o.constants);
+    let as_published = set.is_some_and(|s| s.half_bleach_log_td == o.half_bleach_log_td && s.tau_s == o.tau_s);
+    let optical_density = config.optical_density();
+    json!({
+        "set": o.constants,
+        "source": if as_published { set.map_or("", |s| s.source) } else { "given in the configuration" },
+        "cones": CONES,
+        "half_bleach_td": o.half_bleach_log_td.map(|log| 10f64.powf(log)),
+        "tau_s": o.tau_s,
+        "kinetics": o.kinetics,
+        "km": o.km,
+        "optical_density": optical_density,
+        "fundamentals": match o.fundamentals {
+            crate::config::settings::SetKey::Cie2006 => "CIE 170-1:2006, Stockman & Sharpe 2000",
+            crate::config::settings::SetKey::Smj1993 => "Stockman, MacLeod & Johnson 1993",
+        },
+        "lms_to_xyz": "CIE 170-2:2015, or the inverse of the 1993 set's matrix",
+        "rgb_basis": "Mallett & Yuksel 2019 under CIE D65",
+    })
+}

@@ -1,0 +1,80 @@
+//! What is looked at, and by whom: footage, the observer's vision of it, and the frames in time.
+
+use crate::config::Config;
+use crate::error::Result;
+use crate::frames::{self, About, Footage, Kind, builtin};
+use crate::light::Primaries;
+use crate::percept::Vision;
+use crate::run::schedule::{self, Step};
+use crate::units::Nits;
+
+/// Footage, vision and schedule of one run.
+pub struct Scene {
+    pub footage: Box<dyn Footage>,
+    pub vision: Vision,
+    pub pixels_per_degree: f64,
+    pub steps: Vec<Step>,
+    /// Numbers without a file, which show the frame before.
+    pub held: Vec<u32>,
+    white: Option<Nits>,
+}
+
+impl Scene {
+    /// Opens what `[input]` names. Only headers are read.
+    pub fn open(config: &Config) -> Result<Scene> {
+        let Some(sequence) = config.sequence()? else {
+            let footage = Box::new(config.scene());
+            let steps = schedule::of_still(config)?;
+            return Scene::of(config, footage, steps, Vec::new(), builtin::FIELD_DEG);
+        };
+        let footage = frames::open(&sequence.files, &config.read_options()?)?;
+        let steps = if sequence.numbers.len() == 1 {
+            schedule::of_still(config)?
+        } else {
+            schedule::of_sequence(config, &sequence.numbers, &sequence.shows, footage.header().frames_per_second)?
+        };
+        let across = config.settings.input.horizontal_fov_deg.unwrap_or(builtin::FIELD_DEG);
+        Scene::of(config, footage, steps, sequence.held, across)
+    }
+
+    fn of(config: &Config, footage: Box<dyn Footage>, steps: Vec<Step>, held: Vec<u32>, across: f64) -> Result<Scene> {
+        let header = footage.header();
+        let pixels_per_degree = header.width as f64 / across;
+        let mut white = None;
+        let vision = match &header.kind {
+            Kind::Spectral(bands) => Vision::of_bands(config.observer(), bands),
+            Kind::Rgb(primaries) => {
+                white = Some(white_of(config, header.white)?);
+                let vision = Vision::of_rgb(config.observer(), primaries, white.unwrap_or_default());
+                vision.ok_or_else(|| config.wrong("input.frames", "the file's chromaticities span no gamut"))?
+            }
+        };
+        Ok(Scene { pixels_per_degree, vision, steps, held, white, footage })
+    }
+
+    /// What the percept's files say of themselves.
+    pub fn about(&self, digest: &str) -> About {
+        let header = self.footage.header();
+        let (primaries, white) = match &header.kind {
+            Kind::Rgb(primaries) => (*primaries, self.white),
+            Kind::Spectral(_) => (Primaries::REC709, Some(Nits(1.0))),
+        };
+        let made_by =
+            serde_json::json!({ "made_by": concat!("sungaze ", env!("CARGO_PKG_VERSION")), "config": digest });
+        About {
+            primaries: Some(primaries),
+            white,
+            frames_per_second: header.frames_per_second,
+            sungaze: Some(made_by.to_string()),
+        }
+    }
+}
+
+/// Luminance of (1, 1, 1): the configuration's, or else the file's. Never guessed.
+fn white_of(config: &Config, of_file: Option<Nits>) -> Result<Nits> {
+    config.settings.input.white_cd_m2.map(Nits).or(of_file).ok_or_else(|| {
+        let problem = "is required for RGB frames that do not say their whiteLuminance: the luminance of (1, 1, 1) in \
+                       cd/m2. 100 suits a picture made for a display; for Radiance .hdr files in their usual unit it is 179";
+        config.wrong("input.white_cd_m2", problem)
+    })
+}

@@ -1,0 +1,174 @@
+//! Which file is looked at when: from `[time]` and the frames that are there to a list of looks.
+
+use crate::config::Config;
+use crate::config::settings::Time;
+use crate::error::Result;
+
+/// One frame of the run: the light of `file`, held over [start, start + duration).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    pub number: u32,
+    pub file: usize,
+    pub start: f64,
+    pub duration: f64,
+}
+
+impl Step {
+    /// When the frame ends: the time of its state and percept, s.
+    pub fn end(&self) -> f64 {
+        self.start + self.duration
+    }
+}
+
+/// Frames of a still, where `[time]` is silent: ends spaced logarithmically, s.
+const STILL: (f64, f64, usize) = (1.0 / 24.0, 60.0, 60);
+/// Frames a second, where neither `[time]` nor the file says.
+const FPS: f64 = 24.0;
+
+/// The frames of a still that is stared at, numbered from 1.
+pub fn of_still(config: &Config) -> Result<Vec<Step>> {
+    let time = &config.settings.time;
+    let edges = match time {
+        Time { times_s: Some(times), .. } => edges_of_times(config, times)?,
+        Time { duration_s: Some(duration), .. } => even_edges(config, *duration, interval(time, FPS))?,
+        Time { fps: Some(_), .. } | Time { interval_s: Some(_), .. } => {
+            even_edges(config, STILL.1, interval(time, FPS))?
+        }
+        _ => logarithmic_edges(),
+    };
+    Ok(steps(&edges, (1..).map(|number| (number, 0))))
+}
+
+/// The frames of a sequence: `numbers` and the file that shows each.
+pub fn of_sequence(config: &Config, numbers: &[u32], shows: &[usize], file_fps: Option<f64>) -> Result<Vec<Step>> {
+    let time = &config.settings.time;
+    if time.duration_s.is_some() {
+        return Err(config.wrong("time.duration_s", "belongs to a still; a sequence lasts as long as its frames"));
+    }
+    let edges = match &time.times_s {
+        Some(times) => edges_of_frames(config, times, numbers.len())?,
+        None => edges_of_numbers(numbers, interval(time, file_fps.unwrap_or(FPS))),
+    };
+    Ok(steps(&edges, numbers.iter().copied().zip(shows.iter().copied())))
+}
+
+fn interval(time: &Time, fps: f64) -> f64 {
+    time.interval_s.unwrap_or_else(|| 1.0 / time.fps.unwrap_or(fps))
+}
+
+fn steps(edges: &[f64], frames: impl Iterator<Item = (u32, usize)>) -> Vec<Step> {
+    let spans = edges.windows(2);
+    spans.zip(frames).map(|(e, (number, file))| Step { number, file, start: e[0], duration: e[1] - e[0] }).collect()
+}
+
+fn logarithmic_edges() -> Vec<f64> {
+    let (first, last, count) = STILL;
+    let end = |i: usize| first * (last / first).powf(i as f64 / (count - 1) as f64);
+    std::iter::once(0.0).chain((0..count - 1).map(end)).chain([last]).collect()
+}
+
+/// Even frames up to a duration; the last is shortened.
+fn even_edges(config: &Config, duration: f64, interval: f64) -> Result<Vec<f64>> {
+    let count = (duration / interval * (1.0 - 1e-12)).ceil().max(1.0);
+    if count > 1e7 {
+        return Err(config.wrong("time", format!("asks for {count} frames; at most 10 000 000 are accepted")));
+    }
+    Ok((0..count as u32).map(|i| f64::from(i) * interval).chain([duration]).collect())
+}
+
+/// A still is looked at over these times: each is the start of a frame but the last, which ends it, unless
+/// `duration_s` says when the last frame ends.
+fn edges_of_times(config: &Config, times: &[f64]) -> Result<Vec<f64>> {
+    let mut edges = times.to_vec();
+    match config.settings.time.duration_s {
+        Some(end) if edges.last().is_some_and(|&last| last < end) => edges.push(end),
+        Some(end) => {
+            let problem = format!("found {end}, which is not after the last of time.times_s");
+            return Err(config.wrong("time.duration_s", problem));
+        }
+        None if edges.len() < 2 => {
+            return Err(config.wrong("time.times_s", "a still needs a start and an end, or duration_s"));
+        }
+        None => {}
+    }
+    Ok(edges)
+}
+
+/// Starts, one a frame (the last frame lasts as long as the one before), or one more: the end.
+fn edges_of_frames(config: &Config, times: &[f64], frames: usize) -> Result<Vec<f64>> {
+    let mut edges = times.to_vec();
+    match times {
+        _ if times.len() == frames + 1 => {}
+        [.., before, last] if times.len() == frames => edges.push(last + (last - before)),
+        [only] if frames == 1 => edges.push(only + 1.0 / FPS),
+        _ => {
+            let problem = format!(
+                "found {} times for {frames} frames; accepted: {frames}, or {} with the end",
+                times.len(),
+                frames + 1
+            );
+            return Err(config.wrong("time.times_s", problem));
+        }
+    }
+    Ok(edges)
+}
+
+/// Time follows frame numbers: frame n is at (n - first) intervals, whatever steps the numbers take.
+fn edges_of_numbers(numbers: &[u32], interval: f64) -> Vec<f64> {
+    let Some(&first) = numbers.first() else { return Vec::new() };
+    let at = |number: u32| f64::from(number - first) * interval;
+    let mut edges: Vec<f64> = numbers.iter().map(|&n| at(n)).collect();
+    let last_step = match numbers {
+        [.., before, last] => f64::from(last - before) * interval,
+        _ => interval,
+    };
+    edges.push(edges[edges.len() - 1] + last_step);
+    edges
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn config(toml: &str) -> Config {
+        Config::parse(toml, "test", "test", std::path::Path::new(""), &[]).unwrap()
+    }
+
+    fn ends(steps: &[Step]) -> Vec<f64> {
+        steps.iter().map(Step::end).collect()
+    }
+
+    #[test]
+    fn a_still_without_times_is_stared_at_for_a_minute_in_sixty_logarithmic_frames() {
+        let steps = of_still(&config("")).unwrap();
+        assert_eq!(steps.len(), 60);
+        assert_eq!((steps[0].number, steps[0].start, steps[0].duration), (1, 0.0, 1.0 / 24.0));
+        assert_eq!(steps[59].end(), 60.0);
+        assert!(steps.windows(2).all(|w| (w[0].end() - w[1].start).abs() < 1e-12));
+    }
+
+    #[test]
+    fn the_last_frame_of_a_still_is_shortened() {
+        let steps = of_still(&config("time = { duration_s = 1.0, interval_s = 0.3 }")).unwrap();
+        assert_eq!(steps.len(), 4);
+        assert!((steps[3].duration - 0.1).abs() < 1e-12);
+        assert_eq!(of_still(&config("time = { duration_s = 2.0, fps = 24 }")).unwrap().len(), 48);
+    }
+
+    #[test]
+    fn time_follows_frame_numbers_not_files() {
+        let steps = of_sequence(&config("time = { fps = 10 }"), &[5, 6, 9], &[0, 0, 1], Some(25.0)).unwrap();
+        assert_eq!(ends(&steps).iter().map(|e| (e * 10.0).round()).collect::<Vec<_>>(), [1.0, 4.0, 7.0]);
+        let by_file = of_sequence(&config(""), &[5, 6], &[0, 1], Some(25.0)).unwrap();
+        assert_eq!(by_file[0].duration, 0.04);
+    }
+
+    #[test]
+    fn times_are_starts_and_may_name_the_end() {
+        let starts = of_sequence(&config("time = { times_s = [0, 0.5, 2] }"), &[1, 2, 3], &[0, 1, 2], None).unwrap();
+        assert_eq!(ends(&starts), [0.5, 2.0, 3.5]);
+        let ended = of_sequence(&config("time = { times_s = [0, 0.5, 2] }"), &[1, 2], &[0, 1], None).unwrap();
+        assert_eq!(ends(&ended), [0.5, 2.0]);
+        assert!(of_sequence(&config("time = { times_s = [0, 1] }"), &[1, 2, 3], &[0, 1, 2], None).is_err());
+    }
+}
