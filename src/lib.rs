@@ -11,6 +11,7 @@ pub mod kernel;
 pub mod kinetics;
 pub mod light;
 pub mod percept;
+pub mod plan;
 pub mod retina;
 pub mod run;
 pub mod spectrum;
