@@ -46,7 +46,7 @@ pub fn prepare(folder: &Path, existing: Existing, config: &Value) -> Result<Prep
 fn resume(folder: &Path, config: &Value) -> Result<Prepared> {
     if let Some(checkpoint) = Checkpoint::read(folder)? {
         same(folder, &checkpoint.config, config)?;
-        remove(folder, |name| frame_number(name).is_some_and(|n| n > checkpoint.last_frame))?;
+        remove(folder, |name| is_temporary(name) || frame_number(name).is_some_and(|n| n > checkpoint.last_frame))?;
         return Ok(Prepared::Resume(Box::new(checkpoint)));
     }
     let path = folder.join("report.json");
@@ -63,7 +63,7 @@ fn same(folder: &Path, earlier: &Value, now: &Value) -> Result<()> {
         None => Ok(()),
         Some(key) => {
             let at = |config: &Value| {
-                key.split('.').fold(Some(config), |v, part| v?.get(part)).map_or("nothing".into(), Value::to_string)
+                key.split('.').try_fold(config, |v, part| v.get(part)).map_or("nothing".into(), Value::to_string)
             };
             let problem = format!(
                 "{}: the earlier run had {}, this one has {}; resume with the same settings, or --overwrite",
@@ -90,7 +90,12 @@ fn remove(folder: &Path, which: impl Fn(&str) -> bool) -> Result<()> {
 
 fn is_ours(name: &str) -> bool {
     let fixed = ["trace.csv", "probes.csv", "probes.svg", "report.json", "state.exr", checkpoint::NAME];
-    fixed.contains(&name) || frame_number(name).is_some() || (name.starts_with(".sungaze-") && name.ends_with(".tmp"))
+    fixed.contains(&name) || frame_number(name).is_some() || is_temporary(name)
+}
+
+/// A file that a killed run was still writing.
+fn is_temporary(name: &str) -> bool {
+    name.starts_with(".sungaze-") && name.ends_with(".tmp")
 }
 
 /// The number in `seen.0001.exr` and its like.

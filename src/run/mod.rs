@@ -92,7 +92,6 @@ struct Eye {
     display: Option<Display>,
     map: Option<Arc<ToneMap>>,
     counters: Counters,
-    history: Vec<(f64, Vec<Reading>)>,
     state: StateKey,
     config: Value,
     done: usize,
@@ -117,7 +116,6 @@ impl Eye {
             display: (config.settings.output.display == DisplayFile::Png).then(|| config.display()),
             map: None,
             counters: Counters { held_frames: scene.held.clone(), ..Counters::default() },
-            history: Vec::new(),
             state: config.settings.output.state,
             config: resolved,
             done: 0,
@@ -190,7 +188,6 @@ impl Eye {
             state: self.state_file(step, size, last),
             seen: look.seen,
         };
-        self.history.push((step.end(), readings));
         self.done += 1;
         self.busy += begun.elapsed();
         finished
@@ -362,7 +359,7 @@ fn finish(
     begun: Instant,
     watch: &dyn Watch,
 ) -> Result<Outcome> {
-    plot::write(&folder.join("probes.svg"), &eye.history)?;
+    plot::write(&folder.join("probes.svg"), &record::read_back(&folder.join("probes.csv"))?)?;
     let mut warnings = scene.footage.header().notes.clone();
     for warning in eye.counters.warnings() {
         watch.warn(&warning);
