@@ -1,5 +1,6 @@
 //! sungaze
 
+pub mod chart;
 pub mod error;
 pub mod frames;
 pub mod kinetics;
