@@ -10,7 +10,8 @@ use rayon::prelude::*;
 use crate::error::{Error, Result};
 use crate::frames::census::{Census, Mending, verdict};
 use crate::frames::channels::{Choice, Offer, choose, listed};
-use crate::frames::exr_file::{ExrFile, Part, Place, Stored};
+use crate::frames::exr_file::{ExrFile, Part};
+use crate::frames::exr_rows::{Place, Stored};
 use crate::frames::footage::Picture;
 use crate::frames::{Header, Kind, NonFinite, ReadOptions};
 use crate::light::{Frame, Planes, Primaries, Projection, Samples};
@@ -193,7 +194,7 @@ fn chosen(file: &ExrFile, options: &ReadOptions) -> Result<(usize, Choice), Stri
     let headers = file.meta.headers.iter().enumerate();
     let mut problem = None;
     for (index, header) in headers {
-        let named = header.own_attributes.layer_name.as_ref().is_some_and(|name| name.to_string() == layer);
+        let named = header.own_attributes.layer_name.as_ref().is_some_and(|name| *name == *layer);
         let prefixes =
             [(named || layer.is_empty()).then(String::new), (!layer.is_empty()).then(|| format!("{layer}."))];
         for prefix in prefixes.into_iter().flatten() {

@@ -4,8 +4,10 @@
 pub mod atomic;
 mod census;
 mod channels;
+mod exr_chunks;
 mod exr_file;
 mod exr_picture;
+mod exr_rows;
 mod footage;
 mod names;
 mod pattern;
