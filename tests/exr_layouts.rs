@@ -208,7 +208,8 @@ fn empty_cut_and_foreign_files_are_named_as_such() {
     let whole = std::fs::read(&path).unwrap();
     for length in [0, 3, 20, 200, whole.len() / 2, whole.len() - 1] {
         std::fs::write(&path, &whole[..length]).unwrap();
-        let read = open(&[path.clone()], &ReadOptions::default()).and_then(|footage| footage.read(0, None, None));
+        let read =
+            open(std::slice::from_ref(&path), &ReadOptions::default()).and_then(|footage| footage.read(0, None, None));
         let message = read.map(|_| ()).expect_err("should be refused").to_string();
         assert!(message.contains("cut.exr: is "), "{length}: {message}");
     }

@@ -111,7 +111,7 @@ fn dwa_sizes_are_sound(bytes: &[u8], header: &Header, area: IntegerBounds) -> bo
 pub(super) fn guarded<T>(path: &Path, work: impl FnOnce() -> exr::error::Result<T>) -> Result<T> {
     match std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)) {
         Ok(Ok(done)) => Ok(done),
-        Ok(Err(exr::error::Error::Io(error))) if error.kind() == ErrorKind::UnexpectedEof => Err(cut_short(path)),
+        Ok(Err(exr::error::Error::Invalid(problem))) if problem == "reference to missing bytes" => Err(cut_short(path)),
         Ok(Err(exr::error::Error::Io(error))) => Err(Error::io(path, "read")(error)),
         Ok(Err(error)) => Err(Error::file(path, format!("cannot be read as OpenEXR: {error}"))),
         Err(_) => Err(Error::file(path, "is damaged: its pixels cannot be decompressed")),

@@ -39,6 +39,9 @@ impl ExrFile {
     pub fn open(path: &Path) -> Result<ExrFile> {
         let file = File::open(path).map_err(Error::io(path, "read"))?;
         let bytes = file.metadata().map_err(Error::io(path, "read"))?.len();
+        if bytes == 0 {
+            return Err(Error::file(path, "is empty"));
+        }
         let mut reader = BufReader::new(file);
         let meta = guarded(path, || {
             let meta = MetaData::read_from_buffered(reader.by_ref(), false)?;
