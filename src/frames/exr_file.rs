@@ -19,10 +19,7 @@ use rayon::iter::{ParallelBridge, ParallelIterator};
 use crate::error::{Error, Result};
 use crate::frames::exr_chunks::{Chunks, decompressed, guarded};
 use crate::frames::exr_rows::{Place, Rows};
-
-/// More uncompressed bytes than this for each byte of a file is no picture: the densest code there is (a black
-/// frame under DWAB) packs 50 000 into one.
-const DENSEST: u64 = 65_536;
+use crate::frames::footage::believable;
 
 /// A file whose headers were read.
 pub(super) struct ExrFile {
@@ -58,24 +55,14 @@ impl ExrFile {
         let display = header.shared_attributes.display_window;
         let (width, height) = (display.size.width(), display.size.height());
         for size in [display.size, header.layer_size] {
-            let pixels = size.width() as u64 * size.height() as u64;
-            if pixels == 0 || pixels > max_pixels {
-                let problem =
-                    format!("declares {} x {} pixels; 1 to max_pixels = {max_pixels} are read", size.0, size.1);
-                return Err(Error::file(&self.path, problem));
-            }
+            let pixel_bytes = header.channels.bytes_per_pixel;
+            believable(&self.path, size.width(), size.height(), pixel_bytes, max_pixels)?;
         }
         if header.channels.list.iter().any(|channel| channel.sampling != Vec2(1, 1)) {
             return Err(Error::file(
                 &self.path,
                 "has subsampled channels (luminance/chroma); channels of full size are read",
             ));
-        }
-        let pixels = header.layer_size.width() as u64 * header.layer_size.height() as u64;
-        let declared = pixels * header.channels.bytes_per_pixel as u64;
-        if declared / DENSEST > self.bytes {
-            let problem = format!("declares {declared} bytes of pixels in a file of {} bytes", self.bytes);
-            return Err(Error::file(&self.path, problem));
         }
         Ok(Part { file: self, index, header, width, height })
     }

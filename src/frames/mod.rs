@@ -4,6 +4,9 @@
 pub mod atomic;
 mod census;
 mod channels;
+mod displayed;
+mod envi;
+mod envi_header;
 mod exr_chunks;
 mod exr_file;
 mod exr_picture;
@@ -11,6 +14,7 @@ mod exr_rows;
 mod footage;
 mod names;
 mod pattern;
+mod radiance;
 mod range;
 mod sequence;
 mod written;
