@@ -33,14 +33,16 @@ pub fn prepare(folder: &Path, existing: Existing, config: &Value) -> Result<Prep
     let empty = std::fs::read_dir(folder).map_err(Error::io(folder, "read"))?.next().is_none();
     match existing {
         _ if empty => Ok(Prepared::Fresh),
-        Existing::Refuse => Err(Error::config(
-            "--out",
-            folder.display().to_string(),
-            "is not empty: give --resume to go on with a run, --overwrite to replace it, or another folder",
-        )),
+        Existing::Refuse => Err(not_empty(folder)),
         Existing::Overwrite => remove(folder, |_| true).map(|()| Prepared::Fresh),
         Existing::Resume => resume(folder, config),
     }
+}
+
+/// The refusal of a folder that holds something.
+pub fn not_empty(folder: &Path) -> Error {
+    let problem = "is not empty: give --resume to go on with a run, --overwrite to replace it, or another folder";
+    Error::config("--out", folder.display().to_string(), problem)
 }
 
 fn resume(folder: &Path, config: &Value) -> Result<Prepared> {

@@ -34,7 +34,8 @@ use crate::units::{Nits, Seconds};
 use crate::viewer::{Look, Viewer};
 
 use checkpoint::Checkpoint;
-pub use folder::{Existing, Prepared};
+use folder::Prepared;
+pub use folder::{Existing, not_empty};
 pub use gaze::Gaze;
 use reader::Loaded;
 use record::{Probe, Reading};
