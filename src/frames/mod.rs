@@ -8,10 +8,13 @@ mod displayed;
 mod envi;
 mod envi_header;
 mod exr_chunks;
+mod exr_description;
 mod exr_file;
 mod exr_picture;
 mod exr_rows;
 mod footage;
+mod inspect;
+mod inspect_text;
 mod names;
 mod pattern;
 mod radiance;
@@ -20,7 +23,9 @@ mod sequence;
 mod written;
 mod zip;
 
+pub use exr_description::{Channel, ExrDescription};
 pub use footage::open;
+pub use inspect::{Inspection, LuminanceWeights, inspect};
 pub use sequence::{Missing, Sequence};
 pub use written::{About, Compression, write_exr, write_png};
 
