@@ -12,6 +12,7 @@ pub mod record;
 pub mod report;
 mod scene;
 pub mod schedule;
+mod video;
 pub mod watch;
 mod writer;
 
@@ -361,6 +362,7 @@ fn finish(
     watch: &dyn Watch,
 ) -> Result<Outcome> {
     plot::write(&folder.join("probes.svg"), &record::read_back(&folder.join("probes.csv"))?)?;
+    film(config, scene, folder, watch)?;
     let mut warnings = scene.footage.header().notes.clone();
     for warning in eye.counters.warnings() {
         watch.warn(&warning);
@@ -396,6 +398,18 @@ fn finish(
     frames::atomic::write_text(&folder.join("report.json"), &format!("{report:#}\n"))?;
     Checkpoint::remove(folder)?;
     Ok(Outcome { report, went_on: eye.counters.went_on(), already: false })
+}
+
+/// Makes the film that `output.video` asks for, or says how to.
+fn film(config: &Config, scene: &Scene, folder: &Path, watch: &dyn Watch) -> Result<()> {
+    let output = &config.settings.output;
+    if output.video == "none" {
+        return Ok(());
+    }
+    if let Some(command) = video::make(folder, &output.video, &scene.steps)? {
+        watch.warn(&format!("ffmpeg is not on the PATH; this makes the film where it is: {command}"));
+    }
+    Ok(())
 }
 
 fn plan(model: &Model) -> Value {
