@@ -162,6 +162,21 @@ impl Part<'_> {
         }
     }
 
+    /// The numbers that chunk `i` of a unit begins with in the file: part, then first line or tile and level.
+    pub fn marks(&self, unit: usize, i: usize) -> Vec<i32> {
+        let mut marks = Vec::with_capacity(5);
+        if self.file.meta.requirements.is_multilayer() {
+            marks.push(self.index as i32);
+        }
+        match self.header.blocks {
+            BlockDescription::ScanLines => {
+                marks.push((unit * self.lines_per_unit()) as i32 + self.header.own_attributes.layer_position.y());
+            }
+            BlockDescription::Tiles(_) => marks.extend([i as i32, unit as i32, 0, 0]),
+        }
+        marks
+    }
+
     fn offset(&self) -> (i64, i64) {
         let (data, display) = (self.header.own_attributes.layer_position, self.header.shared_attributes.display_window);
         let apart = |a: i32, b: i32| i64::from(a) - i64::from(b);

@@ -24,6 +24,7 @@ mod written;
 mod zip;
 
 pub use exr_description::{Channel, ExrDescription};
+pub use exr_picture::read_exr;
 pub use footage::open;
 pub use inspect::{Inspection, LuminanceWeights, inspect};
 pub use sequence::{Missing, Sequence};
