@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
 
 use crate::error::{Error, Result};
-use crate::frames::footage::{Picture, believable, examined};
+use crate::frames::footage::{DENSEST, Picture, believable, examined};
 use crate::frames::{Header, Kind, ReadOptions, Wanted};
 use crate::light::{Frame, Planes, Primaries, Projection};
 
@@ -27,7 +27,7 @@ impl DisplayedPicture {
         }
         let decoder = decoder(path)?;
         let (width, height) = (decoder.dimensions().0 as usize, decoder.dimensions().1 as usize);
-        believable(path, width, height, 3, options.max_pixels)?;
+        believable(path, (width, height), 3, DENSEST, options.max_pixels)?;
         let mut notes = vec![WARNING.to_owned()];
         if decoder.color_type().has_alpha() {
             notes.push("passed over its alpha".into());
