@@ -228,6 +228,19 @@ fn dwa_panoramas_have_negative_pixels_that_are_counted() {
 }
 
 #[test]
+fn written_bytes_are_the_same_on_one_thread_and_on_three() {
+    let folder = tempfile::tempdir().unwrap();
+    let on = |threads: usize| {
+        let path = folder.path().join(format!("{threads}.exr"));
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let write = || write_exr(&path, &["R", "G", "B"], &ramp(64, 200), Compression::Zip, &About::default());
+        pool.install(write).unwrap();
+        std::fs::read(&path).unwrap()
+    };
+    assert_eq!(on(1), on(3));
+}
+
+#[test]
 fn frames_are_the_same_on_one_thread_and_on_three() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/sunset_mitsuba.exr");
     let footage = open(&[path], &ReadOptions::default()).unwrap();
