@@ -1,5 +1,11 @@
-//! Files in and out. The only room that names `exr` and `image`, and the only one below the program that touches
-//! the disk.
+//! Files in and out. The only room that names `exr`, `image` and `png`, and the only one below the program that
+//! touches the disk.
+//!
+//! * Which files: `sequence`, with `pattern` and `range`.
+//! * Footage from files, any format: `footage`; one format each: `exr_*`, `radiance`, `displayed`, `envi*`.
+//! * What channels mean: `names`, `channels`. What is wrong with samples: `census`.
+//! * Files out: `written` with `zip`; whole or not at all: [`atomic`].
+//! * What a file holds, for people: `inspect*`, `exr_description`.
 
 pub mod atomic;
 pub mod builtin;
@@ -26,6 +32,7 @@ mod written;
 mod zip;
 
 pub use exr_description::{Channel, ExrDescription};
+pub use exr_picture::read_exr;
 pub use footage::open;
 pub use inspect::{Inspection, LuminanceWeights, inspect};
 pub use sequence::{Missing, Sequence};

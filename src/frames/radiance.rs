@@ -12,7 +12,7 @@ use image::ImageDecoder;
 use image::codecs::hdr::HdrDecoder;
 
 use crate::error::{Error, Result};
-use crate::frames::footage::{Picture, believable, examined};
+use crate::frames::footage::{DENSEST, Picture, believable, examined};
 use crate::frames::{Header, Kind, ReadOptions, Wanted};
 use crate::light::{Frame, Planes, Primaries, Projection};
 
@@ -52,7 +52,7 @@ impl RadiancePicture {
             return Err(Error::file(path, "is a Radiance picture, RGB; `kind` asks for spectral light"));
         }
         let (lines, _) = opened(path)?;
-        believable(path, lines.width, lines.height, 12, options.max_pixels)?;
+        believable(path, (lines.width, lines.height), 12, DENSEST, options.max_pixels)?;
         let mut notes = Vec::new();
         if lines.is_xyz {
             notes.push("XYZ, read as linear RGB of Rec. 709".into());
