@@ -28,6 +28,7 @@ const MOST_SUBSTEPS: u32 = 4096;
 
 /// `advance` with a proven bound of its error, for a start that is itself exact.
 pub fn enclosed(kinetics: &Kinetics, p: f64, light: Trolands, dt: Seconds, substeps: u32) -> Enclosed {
+    let substeps = substeps.max(1);
     if kinetics.law == Law::FirstOrder {
         return Enclosed { p: super::advance(kinetics, p, light, dt, 1), error: 0.0, substeps };
     }

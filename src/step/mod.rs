@@ -62,12 +62,13 @@ impl Method {
     /// Where a held step taken in `substeps` equal parts passes the limit of this method: h lambda of a part and
     /// the limit, beyond which p may leave 0..1.
     pub fn past_limit(&self, kinetics: &Kinetics, light: Trolands, dt: Seconds, substeps: u32) -> Option<PastLimit> {
-        let h_lambda = dt.0 / f64::from(substeps) * kinetics.contraction(light)[1];
+        let h_lambda = dt.0 / f64::from(substeps.max(1)) * kinetics.contraction(light)[1];
         (h_lambda > self.bounded_to).then_some(PastLimit { h_lambda, limit: self.bounded_to })
     }
 
-    /// p after one step of held light taken in `substeps` equal parts.
+    /// p after one step of held light taken in `substeps` equal parts (0 count as 1).
     pub fn hold(&self, kinetics: &Kinetics, p: f64, light: Trolands, dt: Seconds, substeps: u32) -> f64 {
+        let substeps = substeps.max(1);
         let part = Seconds(dt.0 / f64::from(substeps));
         (0..substeps).fold(p, |p, _| (self.step)(kinetics, p, Drive::Held(light), part))
     }
