@@ -20,7 +20,7 @@ fn opened(name: &str, options: &ReadOptions) -> Box<dyn Footage> {
 
 fn refusal(path: PathBuf, options: &ReadOptions) -> String {
     let read = open(&[path], options).and_then(|footage| footage.read(0, None, None));
-    read.err().expect("should be refused").to_string()
+    read.map(|_| ()).expect_err("should be refused").to_string()
 }
 
 fn bands(header: &Header) -> Vec<(f64, f64)> {

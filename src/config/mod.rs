@@ -35,7 +35,9 @@ impl Config {
         let Some(path) = path else {
             return Config::parse("", "the built-in defaults", "sunset", Path::new(""), sets);
         };
-        let text = std::fs::read_to_string(path).map_err(Error::io(path, "read"))?;
+        let unreadable =
+            |e: std::io::Error| Error::config(path.display().to_string(), "CONFIG", format!("cannot read: {e}"));
+        let text = std::fs::read_to_string(path).map_err(unreadable)?;
         let name = path.file_stem().map_or_else(|| "run".into(), |stem| stem.to_string_lossy().into_owned());
         Config::parse(&text, &path.display().to_string(), &name, path.parent().unwrap_or(Path::new("")), sets)
     }

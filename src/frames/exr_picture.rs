@@ -10,9 +10,10 @@ use rayon::prelude::*;
 use crate::error::{Error, Result};
 use crate::frames::census::{Census, Mending, verdict};
 use crate::frames::channels::{Choice, Offer, choose, listed};
-use crate::frames::exr_file::{ExrFile, Part, Place, Stored};
+use crate::frames::exr_file::{ExrFile, Part};
+use crate::frames::exr_rows::{Place, Stored};
 use crate::frames::footage::Picture;
-use crate::frames::{Header, Kind, NonFinite, ReadOptions};
+use crate::frames::{Header, Kind, ReadOptions};
 use crate::light::{Frame, Planes, Primaries, Projection, Samples};
 use crate::units::Nits;
 
@@ -71,37 +72,27 @@ impl ExrPicture {
             .map_err(|problem| Error::file(&self.file.path, problem))
     }
 
-    fn mending(&self, infinity: Option<f32>) -> Mending {
-        Mending { negative: self.options.negative, infinity }
-    }
-
     /// Three planes in the file's own numbers.
     fn rgb<T: Stored>(&self, recycled: Option<Planes>) -> Result<Frame> {
         let part = self.part()?;
         let (width, places) = (part.width, self.places(&part));
         let mut samples: Vec<T> = canvas(recycled, width * part.height * 3, part.covers_display());
+        let mending = Mending::first(&self.options);
         let counts = part.decode(&mut samples, width * 3, |rows, out, _| {
             let mut census = Census::default();
+            let columns = rows.columns();
             for (i, y) in rows.rows() {
                 for (plane, &place) in places.iter().enumerate() {
-                    let columns = rows.columns();
                     let out = &mut out[(i * 3 + plane) * width..][columns.clone()];
                     rows.fetch(i, place, out);
-                    census.count(out, plane, columns.start, y);
-                    self.mending(None).mend(out);
+                    census.admit(out, plane, (columns.start, y), mending);
                 }
             }
             census
         })?;
         let census = counts.into_iter().fold(Census::default(), Census::plus);
         if self.verdict(&census)? {
-            let measure = |mut census: Census, row: &[T]| {
-                census.measure(row);
-                census
-            };
-            let rows = samples.par_chunks(width).fold(Census::default, measure);
-            let largest = rows.map(|census| census.largest).reduce(|| 0.0, f32::max);
-            samples.par_chunks_mut(width).for_each(|row| self.mending(Some(largest)).mend(row));
+            samples.par_chunks_mut(width).for_each(|row| mending.second(&census).mend(row));
         }
         let planes = Planes { width, height: part.height, count: 3, samples: T::into_samples(samples) };
         Ok(Frame { planes, tally: census.tally })
@@ -114,18 +105,17 @@ impl ExrPicture {
         let projection = projection.reordered(&bands, &self.choice.scale);
         let count = projection.rows;
         let mut sums: Vec<f32> = canvas(recycled, part.width * part.height * count, part.covers_display());
-        let census = self.project(&part, &projection, &mut sums, None)?;
+        let mending = Mending::first(&self.options);
+        let census = self.project(&part, &projection, &mut sums, mending)?;
         if self.verdict(&census)? {
-            self.project(&part, &projection, &mut sums, Some(census.largest))?;
+            self.project(&part, &projection, &mut sums, mending.second(&census))?;
         }
         let planes = Planes { width: part.width, height: part.height, count, samples: Samples::Float(sums) };
         Ok(Frame { planes, tally: census.tally })
     }
 
-    fn project(&self, part: &Part, projection: &Projection, sums: &mut [f32], infinity: Option<f32>) -> Result<Census> {
+    fn project(&self, part: &Part, projection: &Projection, sums: &mut [f32], mending: Mending) -> Result<Census> {
         let (width, places) = (part.width, self.places(part));
-        let mending = self.mending(infinity);
-        let measured = self.options.non_finite == NonFinite::Clamp && infinity.is_none();
         let counts = part.decode(sums, width * projection.rows, |rows, out, row| {
             let mut census = Census::default();
             let columns = rows.columns();
@@ -134,11 +124,7 @@ impl ExrPicture {
             for (i, y) in rows.rows() {
                 for (band, samples) in row.chunks_exact_mut(columns.len()).enumerate() {
                     rows.fetch(i, places[band], samples);
-                    census.count(samples, band, columns.start, y);
-                    if measured {
-                        census.measure(samples);
-                    }
-                    mending.mend(samples);
+                    census.admit(samples, band, (columns.start, y), mending);
                 }
                 let out = &mut out[i * projection.rows * width..][..projection.rows * width];
                 if columns.len() == width {
@@ -193,7 +179,7 @@ fn chosen(file: &ExrFile, options: &ReadOptions) -> Result<(usize, Choice), Stri
     let headers = file.meta.headers.iter().enumerate();
     let mut problem = None;
     for (index, header) in headers {
-        let named = header.own_attributes.layer_name.as_ref().is_some_and(|name| name.to_string() == layer);
+        let named = header.own_attributes.layer_name.as_ref().is_some_and(|name| *name == *layer);
         let prefixes =
             [(named || layer.is_empty()).then(String::new), (!layer.is_empty()).then(|| format!("{layer}."))];
         for prefix in prefixes.into_iter().flatten() {

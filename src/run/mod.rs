@@ -34,7 +34,8 @@ use crate::units::{Nits, Seconds};
 use crate::viewer::{Look, Viewer};
 
 use checkpoint::Checkpoint;
-pub use folder::{Existing, Prepared};
+use folder::Prepared;
+pub use folder::{Existing, not_empty};
 pub use gaze::Gaze;
 use reader::Loaded;
 use record::{Probe, Reading};
@@ -92,7 +93,6 @@ struct Eye {
     display: Option<Display>,
     map: Option<Arc<ToneMap>>,
     counters: Counters,
-    history: Vec<(f64, Vec<Reading>)>,
     state: StateKey,
     config: Value,
     done: usize,
@@ -117,7 +117,6 @@ impl Eye {
             display: (config.settings.output.display == DisplayFile::Png).then(|| config.display()),
             map: None,
             counters: Counters { held_frames: scene.held.clone(), ..Counters::default() },
-            history: Vec::new(),
             state: config.settings.output.state,
             config: resolved,
             done: 0,
@@ -190,7 +189,6 @@ impl Eye {
             state: self.state_file(step, size, last),
             seen: look.seen,
         };
-        self.history.push((step.end(), readings));
         self.done += 1;
         self.busy += begun.elapsed();
         finished
@@ -362,7 +360,7 @@ fn finish(
     begun: Instant,
     watch: &dyn Watch,
 ) -> Result<Outcome> {
-    plot::write(&folder.join("probes.svg"), &eye.history)?;
+    plot::write(&folder.join("probes.svg"), &record::read_back(&folder.join("probes.csv"))?)?;
     let mut warnings = scene.footage.header().notes.clone();
     for warning in eye.counters.warnings() {
         watch.warn(&warning);
