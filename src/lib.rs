@@ -17,4 +17,5 @@ pub mod run;
 pub mod spectrum;
 pub mod step;
 pub mod units;
+pub mod validate;
 pub mod viewer;

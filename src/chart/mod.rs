@@ -10,6 +10,7 @@ mod pigment;
 mod scenes;
 mod stability;
 mod stability_map;
+pub mod validation;
 mod verdict;
 mod work;
 mod work_precision;

@@ -4,6 +4,7 @@ mod chart;
 mod completions;
 mod run;
 mod table;
+mod validate;
 mod watch;
 
 use std::path::{Path, PathBuf};
@@ -36,6 +37,14 @@ enum Command {
     #[command(after_help = "Example:\n  sungaze chart work-precision stability --out out/chart")]
     Chart {
         names: Vec<String>,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Hold the program against closed forms, the paper, published numbers and the oracle; exit code 1 if it fails.
+    #[command(
+        after_help = "Example:\n  sungaze validate --out out/validate\n  sungaze validate --set observer.constants=hollins-alpern   (fails: the anchors are of other constants)"
+    )]
+    Validate {
         #[command(flatten)]
         common: Common,
     },
@@ -128,6 +137,7 @@ fn dispatch(command: Command) -> Result<ExitCode> {
     match command {
         Command::Run { config, common } => run::command(config.as_deref(), &common),
         Command::Chart { names, common } => chart::command(&names, &common),
+        Command::Validate { common } => validate::command(&common),
         Command::Inspect { files, common } => {
             let _ = (files, common);
             Ok(ExitCode::SUCCESS)
