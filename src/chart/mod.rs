@@ -4,6 +4,7 @@
 
 pub mod axes;
 pub mod draw;
+mod fundamentals;
 mod machine;
 mod palette;
 mod pigment;
@@ -32,6 +33,7 @@ pub const CHARTS: &[Chart] = &[
     Chart { name: "work-precision", write: work_precision::write },
     Chart { name: "stability", write: stability_map::write },
     Chart { name: "pigment", write: pigment::write },
+    Chart { name: "fundamentals", write: fundamentals::write },
 ];
 
 /// Write a table of `header` and `rows` as `<name>.csv`. No value of ours holds a comma.

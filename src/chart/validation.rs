@@ -8,11 +8,11 @@ use crate::validate::{Check, Field, Validation, Verdict, summary};
 
 use super::axes::{Axis, Panel, power};
 use super::draw::{Anchor, Ink, Marker, Sheet};
-use super::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PALE_GREEN, PALE_RED, PURPLE, SKY, VERMILION};
+use super::palette::{BLACK, BLUE, FAINT, GREEN, GREY, ORANGE, PALE_GREEN, PALE_RED, PURPLE, SKY, VERMILION};
 
 /// Draws what a validation found.
 pub fn write(out_dir: &Path, validation: &Validation) -> Result<()> {
-    let mut sheet = Sheet::new(1200.0, 1040.0);
+    let mut sheet = Sheet::new(1200.0, 985.0);
     sheet.bold((600.0, 32.0), "The steady state is the limit of long exposure", 22, Anchor::Middle, BLACK);
     falls(&mut sheet, &validation.fields);
     rates(&mut sheet, &validation.fields);
@@ -31,27 +31,36 @@ fn is_drawn(field: &&Field) -> bool {
     (field.light.log10().round() as i64) % 2 == 0
 }
 
-/// Error against time, theory dashed beneath.
+/// Error against time, on theory's broad line.
 fn falls(sheet: &mut Sheet, fields: &[Field]) {
     let x = Axis { from: 1e-6, to: 1e4, logarithmic: true, every: 2.0, label: "time under steady light (s)" };
-    let y = Axis { from: 1e-16, to: 1.0, logarithmic: true, every: 2.0, label: "|p − steady p|" };
+    let y = Axis { from: 1e-16, to: 1.0, logarithmic: true, every: 2.0, label: "" };
     let panel = Panel { left: 95.0, top: 90.0, width: 500.0, height: 380.0, x, y };
     panel.frame(sheet);
+    sheet.upward((24.0, 280.0), "|p − steady p|", 16, BLACK);
     let title = "Error of the steady state, standard L cone, from all and no pigment";
     sheet.bold((panel.left, 78.0), title, 16, Anchor::Start, BLACK);
-    for field in fields.iter().filter(is_drawn).filter(|field| field.start != 0.5) {
-        let shown = field.falls.iter().filter(|f| f.time >= 1e-6 && f.error >= 1e-16);
-        let points: Vec<_> = shown.map(|f| panel.at(f.time, f.error)).collect();
-        sheet.polyline(&points, ink(field.light), 2.2, "");
-        let theory = field.falls.iter().map(|f| (f.time, field.falls[0].error * (-field.rate * f.time).exp()));
-        let theory: Vec<_> = theory.filter(|f| f.0 >= 1e-6 && f.1 >= 1e-16).map(|f| panel.at(f.0, f.1)).collect();
-        sheet.polyline(&theory, BLACK, 0.9, "3 5");
+    let drawn = || fields.iter().filter(is_drawn).filter(|field| field.start != 0.5);
+    let shown = |points: &[(f64, f64)]| -> Vec<_> {
+        points.iter().filter(|p| p.0 >= 1e-6 && p.1 >= 1e-16).map(|p| panel.at(p.0, p.1)).collect()
+    };
+    for field in drawn() {
+        let theory = |time: f64| field.falls[0].error * (-field.rate * time).exp();
+        let points: Vec<_> = field.falls.iter().map(|fall| (fall.time, theory(fall.time))).collect();
+        sheet.polyline(&shown(&points), FAINT, 7.0, "");
     }
-    for field in fields.iter().filter(is_drawn).filter(|field| field.start == 0.0) {
-        let (time, level) = (30.0 / field.rate, 2e-15);
-        let (x, y) = panel.at(time, level);
-        sheet.text((x - 8.0, y), &format!("{} td", power(field.light.log10())), 14, Anchor::End, ink(field.light));
+    for field in drawn() {
+        let points: Vec<_> = field.falls.iter().map(|fall| (fall.time, fall.error)).collect();
+        sheet.polyline(&shown(&points), ink(field.light), 2.0, "");
     }
+    for field in drawn().filter(|field| field.start == 0.0 && field.light > 1e3) {
+        let words =
+            if field.light < 1e5 { "1 to 10⁴ td".into() } else { format!("{} td", power(field.light.log10())) };
+        let (x, y) = panel.at(28.0 / field.rate, 3e-14);
+        sheet.text((x - 14.0, y), &words, 14, Anchor::End, ink(field.light));
+    }
+    sheet.line((115.0, 425.0), (150.0, 425.0), FAINT, 7.0, "");
+    sheet.text((158.0, 430.0), "theory", 15, Anchor::Start, BLACK);
 }
 
 /// Fitted rates of every start, on the line (1 + I/I0)/tau.
@@ -81,9 +90,9 @@ fn shares(sheet: &mut Sheet, validation: &Validation) {
         Axis { from: 1e-6, to: 1e2, logarithmic: true, every: 1.0, label: "difference as a share of the tolerance" };
     let judged: Vec<_> = validation.groups.iter().filter(|g| g.checks.iter().any(|c| c.share().is_some())).collect();
     let height = row * judged.len() as f64;
-    let y = Axis { from: 0.0, to: 1.0, logarithmic: false, every: 2.0, label: "" };
+    let y = Axis { from: 0.1, to: 1.0, logarithmic: false, every: 2.0, label: "" };
     let panel = Panel { left, top, width: 630.0, height, x, y };
-    let pass = panel.at(1.0, 0.0).0;
+    let pass = panel.at(1.0, 1.0).0;
     sheet.block((left, top), pass - left, height, PALE_GREEN);
     sheet.block((pass, top), panel.right() - pass, height, PALE_RED);
     panel.frame(sheet);
@@ -108,5 +117,5 @@ fn short(title: &str) -> String {
 fn mark(sheet: &mut Sheet, panel: &Panel, y: f64, check: &Check) {
     let Some(share) = check.share() else { return };
     let ink = if check.verdict == Verdict::Pass { GREEN } else { VERMILION };
-    sheet.mark((panel.at(share.max(1e-6), 0.0).0, y), Marker::Disc, 4.0, ink);
+    sheet.mark((panel.at(share.max(1e-6), 1.0).0, y), Marker::Disc, 4.0, ink);
 }

@@ -42,7 +42,7 @@ enum Command {
     },
     /// Hold the program against closed forms, the paper, published numbers and the oracle; exit code 1 if it fails.
     #[command(
-        after_help = "Example:\n  sungaze validate --out out/validate\n  sungaze validate --set observer.constants=hollins-alpern   (fails: the anchors are of other constants)"
+        after_help = "Example:\n  sungaze validate --out out/validate\n  sungaze validate --set 'observer.tau_s=[121.2, 121.2, 121.2]'   fails: one per cent off"
     )]
     Validate {
         #[command(flatten)]

@@ -45,7 +45,7 @@ fn shortest(name: &str, pigment: &Kinetics, q: f64) -> Check {
     let exposures = (0..=6).flat_map(|i| (3..=10).map(move |decade| (10f64.powi(i - 6), 10f64.powi(decade))));
     let share =
         exposures.map(|(t, light)| (after(pigment, 1.0, light, t) - (-light * t / q).exp()).abs() / (t / 120.0));
-    let name = format!("largest |p - e^(-It/Q)| over t/tau, {name}, 1e3 to 1e10 td, 1 us to 1 s");
+    let name = format!("|p - e^(-It/Q)| over t/tau, worst of 1e3 to 1e10 td, to 1 s, {name}");
     Check::new(name, "p = e^(-It/Q), Q = I0 tau", worst(share, 0.0), 0.0, 1.0)
 }
 

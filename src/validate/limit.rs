@@ -145,7 +145,7 @@ fn of_set(subject: &Subject, set: &str) -> Result<[Check; 2]> {
     let last = worst(all.iter().filter_map(|f| f.falls.last()).map(|f| f.error), 0.0);
     let (lights, what) = ("1 to 1e10 td, 3 starts", set);
     Ok([
-        Check::new(format!("rate of fall over theory, {what}, {lights}"), theory, ratio, 1.0, tolerance),
+        Check::new(format!("rate over theory, {what}, {lights}"), theory, ratio, 1.0, tolerance),
         Check::new(format!("error after {WALK}/rate, {what}, {lights}"), "rounding of p", last, 0.0, 1e-14),
     ])
 }

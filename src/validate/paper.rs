@@ -23,12 +23,16 @@ fn table_1(subject: &Subject) -> Result<Vec<Check>> {
     };
     let [l, m, _] = subject.pigments(PAPER)?;
     let mixture = subject.pigments("observer.constants = \"mixture\"")?;
+    let limited = subject.pigments("observer.constants = \"van-hateren-snippe\"")?[0].half_bleach_light().0;
+    // Q/tau (1 + Km)/(0.5 + Km) = 829268/150 * 1.2/0.7
+    let of_limited = "half-bleach light, td, rate-limited set van-hateren-snippe";
     Ok(vec![
         half("rods, scotopic", &subject.rods, 4.4),
         half("L+M cones, set mixture", &mixture[0], 4.3),
         half("L cones, set paper", &l, 3.89),
         half("M cones, set paper", &m, 3.89),
         half("L cones, set standard", &subject.pigments(STANDARD)?[0], 4.3),
+        Check::new(of_limited, "van Hateren & Snippe 2007", limited, 9477.349, 0.1),
     ])
 }
 

@@ -48,9 +48,12 @@ fn pictures() -> Vec<Picture> {
     std::iter::once(sunset).chain(render).collect()
 }
 
+/// The render, in the folder one works in or in the one the program was built in.
 fn render() -> Option<PathBuf> {
-    let path = Path::new(RENDER);
-    path.exists().then(|| path.to_owned())
+    [Path::new(""), Path::new(env!("CARGO_MANIFEST_DIR"))]
+        .map(|base| base.join(RENDER))
+        .into_iter()
+        .find(|p| p.exists())
 }
 
 pub(super) fn checks(subject: &Subject) -> Result<Vec<Check>> {
@@ -67,6 +70,10 @@ pub(super) fn checks(subject: &Subject) -> Result<Vec<Check>> {
             let stare = Stare::new(subject, &picture, &format!("observer.constants = {:?}\n", set.name))?;
             checks.extend(stare.checks(&format!("{}, constants {}", picture.name, set.name)));
         }
+    }
+    if render().is_none() {
+        let name = format!("Mitsuba sunset: {RENDER} is not here, nothing looked at");
+        checks.push(Check::info(name, "the project's folder", f64::NAN, f64::NAN));
     }
     Ok(checks)
 }
@@ -150,9 +157,9 @@ impl Stare {
         let error = worst(found.iter().map(|f| f.error), 0.0);
         let percept = worst(found.iter().map(|f| f.percept), 0.0);
         let last = ENDS[ENDS.len() - 1];
-        let fall = Check::new(format!("rate of fall over theory, {what}"), "(1 + I/I0)/tau", rate, 1.0, 1e-6);
-        let rest = Check::new(format!("error of p after {last} s, {what}"), "rounding of p", error, 0.0, 1e-14);
-        let seen = Check::new(format!("difference of the percept, {what}"), "rounding of f32", percept, 0.0, 2e-6);
+        let fall = Check::new(format!("rate over theory, {what}"), "(1 + I/I0)/tau", rate, 1.0, 1e-6);
+        let rest = Check::new(format!("p after {last} s, {what}"), "rounding of p", error, 0.0, 1e-14);
+        let seen = Check::new(format!("percept after {last} s, {what}"), "rounding of f32", percept, 0.0, 2e-6);
         linear.then_some(fall).into_iter().chain([rest, seen]).collect()
     }
 }

@@ -10,9 +10,10 @@ use super::{Check, Validation, Verdict};
 pub fn csv(validation: &Validation) -> String {
     let header = "check,source,measured,expected,tolerance,pass\n".to_owned();
     validation.checks().fold(header, |text, c| {
-        let tolerance = if c.tolerance.is_nan() { String::new() } else { c.tolerance.to_string() };
+        let cell = |v: f64| if v.is_nan() { String::new() } else { v.to_string() };
         let (name, source) = (quoted(&c.name), quoted(c.source));
-        text + &format!("{name},{source},{},{},{tolerance},{}\n", c.measured, c.expected, c.verdict.word())
+        let [measured, expected, tolerance] = [c.measured, c.expected, c.tolerance].map(cell);
+        text + &format!("{name},{source},{measured},{expected},{tolerance},{}\n", c.verdict.word())
     })
 }
 
@@ -37,42 +38,53 @@ pub fn rows(validation: &Validation) -> Value {
 }
 
 /// Widths of the table's columns.
-const NAME: usize = 78;
+const NAME: usize = 68;
 const NUMBER: usize = 12;
 
-/// The table for a terminal; `colour`: whether it knows ANSI colours.
+/// The table for a terminal; `colour`: whether it knows ANSI colours. It ends with one line a group.
 pub fn text(validation: &Validation, colour: bool) -> String {
     let mut text = String::new();
     let paint = |code: &str, words: &str| if colour { format!("\x1b[{code}m{words}\x1b[0m") } else { words.to_owned() };
+    let columns = format!("{:NAME$} {:>NUMBER$} {:>NUMBER$} {:>6}  source", "", "measured", "expected", "+-");
     for group in &validation.groups {
-        let heading = paint("1", group.title);
-        let _ = writeln!(text, "{heading}");
-        let columns = format!("{:NAME$} {:>NUMBER$} {:>NUMBER$} {:>9}", "", "measured", "expected", "+-");
-        let _ = writeln!(text, "   {}", paint("2", &columns));
+        let _ = writeln!(text, "{}\n   {}", paint("1", group.title), paint("2", &columns));
         for check in &group.checks {
-            let mark = match check.verdict {
-                Verdict::Pass => paint("32", "ok"),
-                Verdict::Fail => paint("1;31", "NO"),
-                Verdict::Info => paint("36", " i"),
-            };
-            let _ = writeln!(text, "{mark} {}", line(check));
-            if check.verdict != Verdict::Pass {
-                let _ = writeln!(text, "   {}", paint("2", check.source));
-            }
+            let _ = writeln!(text, "{} {}  {}", mark(check.verdict, paint), line(check), paint("2", check.source));
         }
         text.push('\n');
     }
+    for group in &validation.groups {
+        let count = |verdict| group.checks.iter().filter(|check| check.verdict == verdict).count();
+        let (pass, fail, all) = (count(Verdict::Pass), count(Verdict::Fail), group.checks.len());
+        let verdict = match (pass, fail) {
+            (_, 1..) => Verdict::Fail,
+            (0, 0) => Verdict::Info,
+            _ => Verdict::Pass,
+        };
+        let _ = writeln!(text, "{} {pass:>3} of {all:>3}  {}", mark(verdict, paint), group.title);
+    }
     text + &summary(validation)
+}
+
+fn mark(verdict: Verdict, paint: impl Fn(&str, &str) -> String) -> String {
+    match verdict {
+        Verdict::Pass => paint("32", "ok"),
+        Verdict::Fail => paint("1;31", "NO"),
+        Verdict::Info => paint("36", " i"),
+    }
 }
 
 fn line(check: &Check) -> String {
     let tolerance = if check.tolerance.is_nan() { String::new() } else { format!("{:.0e}", check.tolerance) };
     let [measured, expected] = [check.measured, check.expected].map(|v| sensible(v, check.tolerance));
-    format!("{:NAME$} {measured:>NUMBER$} {expected:>NUMBER$} {tolerance:>9}", check.name)
+    format!("{:NAME$} {measured:>NUMBER$} {expected:>NUMBER$} {tolerance:>6}", check.name)
 }
 
-/// Digits down to a tenth of the tolerance, seven significant ones at most.
+/// Digits down to a tenth of the tolerance, seven significant ones at most; blank where there is no number.
 fn sensible(value: f64, tolerance: f64) -> String {
+    if value.is_nan() {
+        return String::new();
+    }
     if value == 0.0 {
         return "0".into();
     }
@@ -81,12 +93,12 @@ fn sensible(value: f64, tolerance: f64) -> String {
         return format!("{value:.2e}");
     }
     let finest = if tolerance.is_nan() { 4.0 } else { (1.0 - tolerance.log10()).ceil() };
-    let decimals = finest.clamp(0.0, 6.0 - magnitude.max(0.0)).max(0.0) as usize;
+    let decimals = finest.clamp(0.0, 6.0 - magnitude) as usize;
     format!("{value:.decimals$}")
 }
 
 /// The last line: how many passed, failed and are stated.
 pub fn summary(validation: &Validation) -> String {
     let [pass, fail, info] = [Verdict::Pass, Verdict::Fail, Verdict::Info].map(|verdict| validation.count(verdict));
-    format!("{} checks: {pass} pass, {fail} fail, {info} known disagreements stated", pass + fail + info)
+    format!("{} checks: {pass} pass, {fail} fail, {info} stated as information", pass + fail + info)
 }
