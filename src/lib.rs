@@ -11,6 +11,8 @@ pub mod frames;
 pub mod kernel;
 pub mod kinetics;
 pub mod light;
+#[doc = include_str!("paper.md")]
+pub mod paper {}
 pub mod percept;
 pub mod retina;
 pub mod run;
