@@ -1,5 +1,6 @@
 //! sungaze
 
+pub mod chart;
 pub mod colour;
 pub mod config;
 pub mod constants;
