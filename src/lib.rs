@@ -16,5 +16,6 @@ pub mod retina;
 pub mod run;
 pub mod spectrum;
 pub mod step;
+pub mod sweep;
 pub mod units;
 pub mod viewer;

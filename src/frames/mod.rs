@@ -10,6 +10,7 @@ mod exr_picture;
 mod footage;
 mod names;
 mod pattern;
+mod png_bytes;
 mod range;
 mod sequence;
 mod state;
@@ -17,6 +18,7 @@ mod written;
 mod zip;
 
 pub use footage::open;
+pub use png_bytes::decode_png;
 pub use sequence::{Missing, Sequence};
 pub use state::{read_state, write_state};
 pub use written::{About, Compression, write_exr, write_png};
