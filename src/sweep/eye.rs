@@ -89,7 +89,7 @@ impl Eye {
     /// Brings both retinas to the steady state of the first frame; the pupil has seen nothing yet.
     fn adapt(&mut self, first: &Lit) {
         let pupil = self.whole.pupil.clone();
-        let at_once = Span { file: 0, start: 0.0, end: 0.0, cell: None };
+        let at_once = Span { file: 0, start: 0.0, end: 0.0, aim: 0.0, cell: None };
         self.look(first, &at_once, Model::Steady);
         self.whole.pupil = pupil;
     }
@@ -98,14 +98,14 @@ impl Eye {
     pub fn watch(&mut self, lit: &Lit, span: &Span) -> Sight {
         let model = if span.length() == Seconds(0.0) { Model::Unbleached } else { self.model };
         let (look, small, pupil) = self.look(lit, span, model);
-        let pixels: Vec<[usize; 2]> = self.pixels(lit, span.end).collect();
-        let (readings, gaze) = (self.readings(lit, span, model, pupil, &pixels), self.aim(lit, span.end));
+        let pixels: Vec<[usize; 2]> = self.pixels(lit, span.aim).collect();
+        let (readings, gaze) = (self.readings(lit, span, model, pupil, &pixels), self.aim(lit, span.aim));
         let readings = readings.or_else(|| {
             let look = look.as_ref()?;
             Some(self.probes.iter().map(|probe| probe.read(&self.whole, &lit.planes, look, gaze)).collect())
         });
         let forever = |(probe, &pixel): (&Probe, &[usize; 2])| {
-            self.reading(lit, span.end, pupil, probe, pixel, self.steady(lit, span.end, pupil, pixel))
+            self.reading(lit, span.aim, pupil, probe, pixel, self.steady(lit, span.aim, pupil, pixel))
         };
         let steady = self.probes.iter().zip(&pixels).map(forever).collect();
         Sight { seen: look.map(|look| look.seen), small, readings: readings.unwrap_or_default(), steady }
@@ -113,13 +113,13 @@ impl Eye {
 
     /// Both eyes look; the small one with the pupil of the whole one.
     fn look(&mut self, lit: &Lit, span: &Span, model: Model) -> (Option<Look>, Planes, Millimetres) {
-        let gaze = self.aim(lit, span.end);
+        let gaze = self.aim(lit, span.aim);
         (self.whole.model, self.small.model) = (model, model);
         let look = self.spread.then(|| self.whole.look(&lit.planes, &lit.survey, gaze, span.length()));
         let pupil = match &look {
             Some(look) => look.pupil,
             None => {
-                let adapting = self.adapting(lit, span.end);
+                let adapting = self.adapting(lit, span.aim);
                 self.whole.pupil.follow(adapting, span.length())
             }
         };
@@ -143,11 +143,11 @@ impl Eye {
         let mut places = self.places.take()?;
         let advance = Advance { pigments: &self.whole.pigments, model, duration: span.length() };
         for (p, &pixel) in places.iter_mut().zip(pixels) {
-            let light = self.illuminance(lit, span.end, pupil, pixel);
+            let light = self.illuminance(lit, span.aim, pupil, pixel);
             *p = [0, 1, 2].map(|k| advance.place(&self.whole.pigments[k], p[k], light[k]));
         }
         let probes = self.probes.iter().zip(pixels).zip(&places);
-        let readings = probes.map(|((probe, &pixel), &p)| self.reading(lit, span.end, pupil, probe, pixel, p));
+        let readings = probes.map(|((probe, &pixel), &p)| self.reading(lit, span.aim, pupil, probe, pixel, p));
         let readings = Some(readings.collect());
         self.places = Some(places);
         readings

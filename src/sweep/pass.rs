@@ -13,6 +13,8 @@ pub struct Span {
     pub file: usize,
     pub start: f64,
     pub end: f64,
+    /// The time for which the gaze is asked: the end of the whole frame, as in a run.
+    pub aim: f64,
     pub cell: Option<usize>,
 }
 
@@ -26,18 +28,16 @@ impl Span {
 /// Two times nearer than this share of them are one: a duration that is a frame's end looks at that frame.
 const SAME: f64 = 1e-9;
 
-/// The spans of a case. A still is held from each duration to the next, or in the frames of `[time]` if that says
-/// anything; a sequence in its frames, up to the last duration.
+/// The spans of a case. A still is held from each duration to the next, after the frames of `[time]` if that says
+/// anything or a gaze moves over it; a sequence in its frames, up to the last duration.
 pub fn spans(config: &Config, scene: &Scene, durations: &[f64]) -> Result<Vec<Span>> {
     let last = durations.last().copied().unwrap_or(0.0);
     let mut steps = scene.steps.clone();
     if scene.footage.len() == 1 {
-        if config.settings.time == Time::default() {
-            steps.truncate(1);
+        if config.settings.time == Time::default() && config.settings.gaze.path.is_none() {
+            steps.clear();
         }
-        if let Some(step) = steps.last_mut() {
-            step.duration = step.duration.max(last - step.start);
-        }
+        hold(&mut steps, durations);
     }
     let end = steps.last().map_or(0.0, Step::end);
     if last > end * (1.0 + SAME) {
@@ -47,24 +47,35 @@ pub fn spans(config: &Config, scene: &Scene, durations: &[f64]) -> Result<Vec<Sp
     Ok(cut(&steps, durations))
 }
 
+/// Holds a still on after its frames, to each later duration.
+fn hold(steps: &mut Vec<Step>, durations: &[f64]) {
+    for &duration in durations {
+        let start = steps.last().map_or(0.0, Step::end);
+        if duration > start * (1.0 + SAME) {
+            steps.push(Step { number: steps.len() as u32 + 1, file: 0, start, duration: duration - start });
+        }
+    }
+}
+
 /// Cuts frames at the durations; what comes after the last is left out.
 fn cut(steps: &[Step], durations: &[f64]) -> Vec<Span> {
     let mut spans = Vec::new();
     let mut looks = durations.iter().copied().enumerate().peekable();
-    if let (Some(step), Some((cell, _))) = (steps.first(), looks.next_if(|&(_, d)| d == 0.0)) {
-        spans.push(Span { file: step.file, start: 0.0, end: 0.0, cell: Some(cell) });
+    if let Some((cell, _)) = looks.next_if(|&(_, d)| d == 0.0) {
+        let (file, aim) = steps.first().map_or((0, 0.0), |step| (step.file, step.end()));
+        spans.push(Span { file, start: 0.0, end: 0.0, aim, cell: Some(cell) });
     }
     for step in steps {
-        let mut start = step.start;
-        while let Some((cell, end)) = looks.next_if(|&(_, d)| d <= step.end() * (1.0 + SAME)) {
-            spans.push(Span { file: step.file, start, end, cell: Some(cell) });
+        let (file, aim, mut start) = (step.file, step.end(), step.start);
+        while let Some((cell, end)) = looks.next_if(|&(_, d)| d <= aim * (1.0 + SAME)) {
+            spans.push(Span { file, start, end, aim, cell: Some(cell) });
             start = end;
         }
         if looks.peek().is_none() {
             break;
         }
-        if start < step.end() * (1.0 - SAME) {
-            spans.push(Span { file: step.file, start, end: step.end(), cell: None });
+        if start < aim * (1.0 - SAME) {
+            spans.push(Span { file, start, end: aim, aim, cell: None });
         }
     }
     spans
@@ -94,6 +105,21 @@ mod tests {
             (2, 2.0, 2.25, Some(3)),
         ];
         assert_eq!(told(&spans), expected);
+    }
+
+    #[test]
+    fn a_still_is_held_on_after_its_frames_from_each_duration_to_the_next() {
+        let mut steps = frames(2, 0.5);
+        steps[1].file = 0;
+        hold(&mut steps, &[0.0, 0.25, 1.0, 4.0, 9.0]);
+        assert_eq!(steps.iter().map(Step::end).collect::<Vec<_>>(), [0.5, 1.0, 4.0, 9.0]);
+        let alone = |durations: &[f64]| {
+            let mut steps = Vec::new();
+            hold(&mut steps, durations);
+            cut(&steps, durations)
+        };
+        assert_eq!(told(&alone(&[0.0])), [(0, 0.0, 0.0, Some(0))]);
+        assert_eq!(told(&alone(&[0.1, 7.0])), [(0, 0.0, 0.1, Some(0)), (0, 0.1, 7.0, Some(1))]);
     }
 
     #[test]

@@ -15,9 +15,9 @@ use crate::sweep::table;
 
 const WIDTH: f64 = 1200.0;
 /// From one row of panels to the next.
-const PITCH: f64 = 280.0;
+const PITCH: f64 = 266.0;
 /// Above the first row.
-const HEAD: f64 = 84.0;
+const HEAD: f64 = 74.0;
 
 /// One probe of one case.
 struct Course {
@@ -78,13 +78,13 @@ fn legend(sheet: &mut Sheet) {
     sheet.text((90.0, 24.0), "bleached fraction of the pigment in", 16, Anchor::Start, BLACK);
     sheet.text((690.0, 24.0), "chromaticity of the percept", 16, Anchor::Start, BLACK);
     for (i, (name, ink, marker)) in CURVES.into_iter().enumerate() {
-        let x = if i < 3 { 382.0 + 66.0 * i as f64 } else { 930.0 + 66.0 * (i - 3) as f64 };
+        let x = if i < 3 { 382.0 + 66.0 * i as f64 } else { 906.0 + 62.0 * (i - 3) as f64 };
         sheet.line((x, 18.0), (x + 28.0, 18.0), ink, 2.0, "");
         sheet.mark((x + 14.0, 18.0), marker, 3.5, ink);
         sheet.text((x + 34.0, 24.0), name, 16, Anchor::Start, ink);
     }
-    sheet.line((1066.0, 18.0), (1096.0, 18.0), GREY, 1.4, "6 4");
-    sheet.text((1102.0, 24.0), "for ever", 16, Anchor::Start, BLACK);
+    sheet.line((1030.0, 18.0), (1060.0, 18.0), GREY, 1.4, "6 4");
+    sheet.text((1066.0, 24.0), "steady state", 16, Anchor::Start, BLACK);
 }
 
 fn draw(sheet: &mut Sheet, course: &Course, sweep: &Sweep, top: f64) {
@@ -92,7 +92,13 @@ fn draw(sheet: &mut Sheet, course: &Course, sweep: &Sweep, top: f64) {
     let x = time_axis(&sweep.durations);
     let [low, high] = limits(course);
     let unit = Axis { from: 0.0, to: 1.0, logarithmic: false, every: 0.25, label: "bleached" };
-    let colour = Axis { from: low, to: high, logarithmic: false, every: 0.2, label: "x, y" };
+    let colour = Axis {
+        from: low,
+        to: high,
+        logarithmic: false,
+        every: if high - low > 1.0 { 0.4 } else { 0.2 },
+        label: "x, y",
+    };
     let panels = [(90.0, unit, 0..3), (690.0, colour, 3..5)];
     for (left, y, curves) in panels {
         let panel = Panel { left, top, width: 480.0, height: 190.0, x, y };
@@ -109,12 +115,12 @@ fn draw_curve(sheet: &mut Sheet, panel: &Panel, course: &Course, curve: usize) {
     if steady.is_finite() {
         sheet.line(panel.at(panel.x.from, steady), panel.at(panel.x.to, steady), ink, 1.4, "6 4");
     }
-    let points = course.points.iter().map(|&(time, values)| (time.max(panel.x.from), values[curve]));
-    let points: Vec<_> =
-        points.filter(|point| point.1.is_finite()).map(|(time, value)| panel.at(time, value)).collect();
-    sheet.polyline(&points, ink, 2.0, "");
-    let r = if points.len() > 40 { 2.0 } else { 3.5 };
-    points.iter().for_each(|&point| sheet.mark(point, marker, r, ink));
+    let seen = course.points.iter().filter(|(_, values)| values[curve].is_finite());
+    let place = |&(time, values): &(f64, [f64; 5])| panel.at(time.max(panel.x.from), values[curve]);
+    sheet.polyline(&seen.clone().map(place).collect::<Vec<_>>(), ink, 2.0, "");
+    let inside = seen.filter(|(_, values)| (panel.y.from..=panel.y.to).contains(&values[curve]));
+    let r = if course.points.len() > 40 { 2.0 } else { 3.5 };
+    inside.map(place).for_each(|at| sheet.mark(at, marker, r, ink));
 }
 
 /// Whole powers of ten around the durations; the start stands at the left edge.
@@ -129,9 +135,10 @@ fn time_axis(durations: &[f64]) -> Axis<'static> {
     Axis { from: 10f64.powf(from), to: 10f64.powf(to), logarithmic: true, every: ((to - from) / 8.0).ceil(), label }
 }
 
-/// Fifths that hold the chromaticities of a course; colours far outside the lights that exist are cut off.
+/// Steps that hold the chromaticities of a course; colours far outside the lights that exist leave the panel.
 fn limits(course: &Course) -> [f64; 2] {
     let seen = course.points.iter().flat_map(|point| &point.1[3..]).chain(&course.steady[3..]);
     let (low, high) = seen.filter(|v| v.is_finite()).fold((0.2, 0.6), |(a, b): (f64, f64), &v| (a.min(v), b.max(v)));
-    [(low.max(-0.6) * 5.0).floor() / 5.0, (high.min(1.6) * 5.0).ceil() / 5.0]
+    let step = if high.min(1.2) - low.max(-0.4) > 1.0 { 0.4 } else { 0.2 };
+    [(low.max(-0.4) / step).floor() * step, (high.min(1.2) / step).ceil() * step]
 }
