@@ -49,6 +49,8 @@ pub fn command(path: &Path, asked: &Asked, common: &Common) -> Result<ExitCode> 
     if common.json {
         let rows = outcome.table.as_deref().map(sweep::objects).unwrap_or_default();
         say(&format!("{:#}", Value::Array(rows)));
+    } else if part == Part::Merge {
+        say(&format!("{}: all cases gathered", folder.display()));
     } else {
         let kept = if outcome.kept > 0 { format!(", {} finished before", outcome.kept) } else { String::new() };
         say(&format!("{}: {} cases run{kept}", folder.display(), outcome.ran));

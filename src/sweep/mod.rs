@@ -61,12 +61,14 @@ pub struct Outcome {
 pub fn sweep(config: &Config, path: &Path, existing: Existing, part: Part, watch: &dyn Watch) -> Result<Outcome> {
     let sweep = config.sweep()?;
     let asked = asked(&sweep, part)?;
+    let opened = asked.iter().map(|case| Opened::new(case, &sweep)).collect::<Result<Vec<_>>>()?;
     let only = (part != Part::All).then(|| asked.first().map_or(usize::MAX, |case| case.number));
     let folder = Folder::prepare(path, existing, config, &sweep, only)?;
-    let (kept, pending): (Vec<&Case>, Vec<&Case>) = asked.iter().partition(|case| folder.is_finished(case.number));
+    let (kept, pending): (Vec<_>, Vec<_>) =
+        opened.into_iter().partition(|opened| folder.is_finished(opened.case.number));
     warn_of_display(&sweep, watch);
-    Cells { sweep: &sweep, folder: &folder, watch, side: contact::side(&sweep), done: AtomicUsize::new(0) }
-        .run(&pending)?;
+    let cells = Cells { sweep: &sweep, folder: &folder, watch, side: contact::side(&sweep), done: AtomicUsize::new(0) };
+    cells.run(&pending)?;
     let table = if let Part::Index(_) = part { None } else { Some(gather(&sweep, &folder)?) };
     Ok(Outcome { ran: pending.len(), kept: kept.len(), table })
 }
@@ -130,16 +132,15 @@ struct Cells<'a> {
 impl Cells<'_> {
     /// Runs cases: those that see one light together, one light after the other. Cases that need only little
     /// memory beside their light run side by side.
-    fn run(&self, pending: &[&Case]) -> Result<()> {
-        let opened = pending.iter().map(|case| Opened::new(case, self.sweep)).collect::<Result<Vec<_>>>()?;
-        if opened.is_empty() {
+    fn run(&self, pending: &[Opened]) -> Result<()> {
+        if pending.is_empty() {
             return Ok(());
         }
         let first = Opened::new(&self.sweep.cases[0], self.sweep)?;
         let mut held = (light::key(&first.case.config, &first.scene), self.lit(&first)?);
         let map = first.case.config.display().follow(None, &held.1.survey, Seconds(0.0));
         let (map, cells) = (Arc::new(map), pending.len() * self.sweep.durations.len());
-        for (key, group) in groups(&opened) {
+        for (key, group) in groups(pending) {
             if held.0 != key {
                 drop(held);
                 held = (key, self.lit(group[0])?);
