@@ -1,17 +1,20 @@
 //! Arguments, exit codes, and who prints what: results on stdout, everything else on stderr.
 
+mod chart;
 mod completions;
+mod inspect;
 mod run;
 mod sweep;
+mod table;
 mod watch;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
 
 use sungaze::error::{Error, Result};
-use sungaze::run::Existing;
+use sungaze::run::{Existing, not_empty};
 
 /// What a person sees while staring at a bright light.
 #[derive(Parser)]
@@ -41,6 +44,13 @@ enum Command {
         config: PathBuf,
         #[command(flatten)]
         asked: sweep::Asked,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Chart speed against accuracy, and where methods fail. Without NAME: every chart.
+    #[command(after_help = "Example:\n  sungaze chart work-precision stability --out out/chart")]
+    Chart {
+        names: Vec<String>,
         #[command(flatten)]
         common: Common,
     },
@@ -96,6 +106,16 @@ impl Common {
         self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(name))
     }
 
+    /// Makes the folder, or refuses one that holds something without leave to replace it.
+    fn ready(&self, folder: &Path) -> Result<()> {
+        std::fs::create_dir_all(folder).map_err(Error::io(folder, "create"))?;
+        let empty = std::fs::read_dir(folder).map_err(Error::io(folder, "read"))?.next().is_none();
+        if empty || self.overwrite || self.resume {
+            return Ok(());
+        }
+        Err(not_empty(folder))
+    }
+
     /// One pool for everything, of the size that was asked for.
     fn pool(&self) -> Result<()> {
         let threads = self.threads.unwrap_or(0);
@@ -123,10 +143,8 @@ fn dispatch(command: Command) -> Result<ExitCode> {
     match command {
         Command::Run { config, common } => run::command(config.as_deref(), &common),
         Command::Sweep { config, asked, common } => sweep::command(&config, &asked, &common),
-        Command::Inspect { files, common } => {
-            let _ = (files, common);
-            Ok(ExitCode::SUCCESS)
-        }
+        Command::Chart { names, common } => chart::command(&names, &common),
+        Command::Inspect { files, common } => inspect::command(&files, &common),
         Command::Completions { shell } => {
             completions::command(shell, &mut Cli::command());
             Ok(ExitCode::SUCCESS)

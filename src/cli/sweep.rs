@@ -11,7 +11,7 @@ use sungaze::error::Result;
 use sungaze::sweep::{self, Part};
 
 use super::watch::Terminal;
-use super::{Common, say};
+use super::{Common, say, table};
 
 /// Which part of a sweep is asked for.
 #[derive(Args, Clone)]
@@ -47,8 +47,8 @@ pub fn command(path: &Path, asked: &Asked, common: &Common) -> Result<ExitCode> 
     terminal.end();
     let outcome = outcome?;
     if common.json {
-        let rows = outcome.table.as_deref().map(sweep::objects).unwrap_or_default();
-        say(&format!("{:#}", Value::Array(rows)));
+        let rows = outcome.table.as_deref().map_or(Ok(Value::Array(Vec::new())), table::rows)?;
+        say(&format!("{rows:#}"));
     } else if part == Part::Merge {
         say(&format!("{}: all cases gathered", folder.display()));
     } else {

@@ -115,7 +115,7 @@ impl Eye {
     fn look(&mut self, lit: &Lit, span: &Span, model: Model) -> (Option<Look>, Planes, Millimetres) {
         let gaze = self.aim(lit, span.aim);
         (self.whole.model, self.small.model) = (model, model);
-        let look = self.spread.then(|| self.whole.look(&lit.planes, &lit.survey, gaze, span.length()));
+        let look = self.spread.then(|| self.whole.look(&lit.planes, &lit.survey, gaze, span.length(), None));
         let pupil = match &look {
             Some(look) => look.pupil,
             None => {
@@ -127,7 +127,7 @@ impl Eye {
             [lit.small.width as f64 / lit.planes.width as f64, lit.small.height as f64 / lit.planes.height as f64];
         let small_gaze = [0, 1].map(|i| (gaze[i] + 0.5) * scale[i] - 0.5);
         self.small.pupil = Pupil::new(Rule::Fixed(pupil), Dynamics::default());
-        let small = self.small.look(&lit.small, &lit.survey, small_gaze, span.length());
+        let small = self.small.look(&lit.small, &lit.survey, small_gaze, span.length(), None);
         (look, small.seen, pupil)
     }
 

@@ -13,7 +13,7 @@ mod plot;
 mod reduced;
 mod table;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -33,7 +33,6 @@ use eye::Eye;
 use folder::{Folder, Left, Steady};
 use light::{Key, Lit};
 use pass::Span;
-pub use table::objects;
 
 /// Which part of a sweep to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,7 +53,7 @@ pub struct Outcome {
     /// Cases that were finished already.
     pub kept: usize,
     /// `sweep.csv`, unless only one case was run.
-    pub table: Option<String>,
+    pub table: Option<PathBuf>,
 }
 
 /// Runs a sweep, or a part of it, into a folder.
@@ -218,8 +217,8 @@ fn groups<'a, 'b>(opened: &'b [Opened<'a>]) -> Vec<(Key, Vec<&'b Opened<'a>>)> {
     groups
 }
 
-/// Makes the table, the sheet and the plot of all cases; returns the table.
-fn gather(sweep: &Sweep, folder: &Folder) -> Result<String> {
+/// Makes the table, the sheet and the plot of all cases; returns where the table is.
+fn gather(sweep: &Sweep, folder: &Folder) -> Result<PathBuf> {
     let missing: Vec<String> =
         (0..sweep.cases.len()).filter(|&n| !folder.is_finished(n)).map(|n| n.to_string()).collect();
     if !missing.is_empty() {
@@ -233,9 +232,10 @@ fn gather(sweep: &Sweep, folder: &Folder) -> Result<String> {
     for case in &left {
         all.extend(case.rows.split_inclusive('\n').skip(1));
     }
-    atomic::write_text(&folder.path.join(folder::TABLE), &all)?;
+    let table = folder.path.join(folder::TABLE);
+    atomic::write_text(&table, &all)?;
     contact::write(&folder.path.join(folder::CONTACT), sweep, &left)?;
     plot::write(&folder.path.join(folder::PLOT), sweep, &left)?;
     folder.tidy()?;
-    Ok(all)
+    Ok(table)
 }

@@ -11,7 +11,6 @@ use crate::error::Result;
 use crate::frames::atomic;
 use crate::sweep::contact::{self, MOST_CASES};
 use crate::sweep::folder::{Left, Steady};
-use crate::sweep::table;
 
 const WIDTH: f64 = 1200.0;
 /// From one row of panels to the next.
@@ -65,13 +64,14 @@ fn courses(caption: &str, alone: bool, left: &Left) -> Vec<Course> {
     left.done.steady.iter().enumerate().map(course).collect()
 }
 
-/// Probe, duration and curves of a row of the table, which ends in probe, I, p, XYZ, x, y.
+/// Probe, duration and curves of a row of the table: case, duration, ..., probe, then eleven numbers.
 fn row(line: &str) -> Option<(String, f64, [f64; 5])> {
-    let fields = table::fields(line);
-    let (head, numbers) = fields.split_at(fields.len().checked_sub(11)?);
-    let numbers: Vec<f64> = numbers.iter().map_while(|field| field.parse().ok()).collect();
-    let &[_, _, _, l, m, s, _, _, _, x, y] = &numbers[..] else { return None };
-    Some((head.last()?.clone(), head.get(1)?.parse().ok()?, [1.0 - l, 1.0 - m, 1.0 - s, x, y]))
+    let mut fields = line.rsplitn(12, ',');
+    let numbers: Vec<f64> = fields.by_ref().take(11).map_while(|field| field.parse().ok()).collect();
+    let &[y, x, _, _, _, s, m, l, ..] = &numbers[..] else { return None };
+    let head = fields.next()?;
+    let duration = head.split(',').nth(1)?.parse().ok()?;
+    Some((head.rsplit(',').next()?.to_owned(), duration, [1.0 - l, 1.0 - m, 1.0 - s, x, y]))
 }
 
 fn legend(sheet: &mut Sheet) {

@@ -1,7 +1,5 @@
 //! Rows of `sweep.csv`: the case, the duration, the varied values as TOML, then the columns of `probes.csv`.
 
-use serde_json::{Map, Value};
-
 use crate::run::record::{PROBES, Reading};
 
 /// The header, with its line's end.
@@ -26,34 +24,6 @@ fn field(value: &str) -> String {
     }
 }
 
-/// The values of a line.
-pub fn fields(line: &str) -> Vec<String> {
-    let mut fields = vec![String::new()];
-    let mut quoted = false;
-    let mut rest = line.chars().peekable();
-    while let Some(c) = rest.next() {
-        match c {
-            '"' if quoted && rest.next_if_eq(&'"').is_some() => fields.last_mut().into_iter().for_each(|f| f.push('"')),
-            '"' => quoted = !quoted,
-            ',' if !quoted => fields.push(String::new()),
-            c => fields.last_mut().into_iter().for_each(|f| f.push(c)),
-        }
-    }
-    fields
-}
-
-/// A whole table as objects, numbers as numbers.
-pub fn objects(table: &str) -> Vec<Value> {
-    let mut lines = table.lines();
-    let names = fields(lines.next().unwrap_or_default());
-    let value = |text: String| text.parse::<f64>().map_or(Value::String(text), Value::from);
-    let object = |line: &str| {
-        let pairs = names.iter().cloned().zip(fields(line).into_iter().map(value));
-        Value::Object(pairs.collect::<Map<_, _>>())
-    };
-    lines.map(object).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -67,10 +37,7 @@ mod tests {
             row.starts_with("2,0.3,\"[4.3, 4.3, 5.0]\",\"\"\"exact\"\"\",sun,1,1,1,0.5,0.5,0.5,1,1,2,0.25,0.25"),
             "{row}"
         );
-        assert_eq!(fields(row.trim_end())[2..5], ["[4.3, 4.3, 5.0]", "\"exact\"", "sun"]);
         let names = header(&["a".into(), "b".into()]);
         assert_eq!(names, "case,duration_s,a,b,probe,I_L,I_M,I_S,p_L,p_M,p_S,X,Y,Z,x,y\n");
-        let objects = objects(&format!("{names}{row}"));
-        assert_eq!((objects[0]["a"].as_str(), objects[0]["duration_s"].as_f64()), (Some("[4.3, 4.3, 5.0]"), Some(0.3)));
     }
 }
