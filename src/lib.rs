@@ -77,6 +77,7 @@ pub mod retina;
 pub mod run;
 pub mod spectrum;
 pub mod step;
+pub mod sweep;
 pub mod units;
 pub mod validate;
 pub mod viewer;

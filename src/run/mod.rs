@@ -14,7 +14,7 @@ mod scene;
 pub mod schedule;
 mod video;
 pub mod watch;
-mod writer;
+pub(crate) mod writer;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -36,6 +36,7 @@ use crate::viewer::{Look, Viewer};
 
 use checkpoint::Checkpoint;
 use folder::Prepared;
+pub(crate) use folder::same;
 pub use folder::{Existing, not_empty};
 pub use gaze::Gaze;
 use reader::Loaded;
@@ -229,7 +230,8 @@ impl Eye {
     }
 }
 
-fn retina_of_file(config: &Config, file: &str, width: usize, height: usize) -> Result<Retina> {
+/// The retina of a state file, which must be of the frames' size.
+pub(crate) fn retina_of_file(config: &Config, file: &str, width: usize, height: usize) -> Result<Retina> {
     let path = config.path(file);
     let planes = frames::read_state(&path, config.settings.input.max_pixels)?;
     if (planes.width, planes.height) != (width, height) {
@@ -261,7 +263,7 @@ fn stages(
     resume: Option<&Checkpoint>,
     watch: &dyn Watch,
 ) -> Result<Spent> {
-    let writer = writer(config, scene, eye, folder)?;
+    let writer = writer(config, scene, &eye.config, folder)?;
     let tables = Tables::open(folder, resume.map(|c| c.lengths))?;
     let steps = &scene.steps[eye.done..];
     let progress = (eye.done, scene.steps.len());
@@ -290,8 +292,9 @@ fn join<T>(thread: std::thread::ScopedJoinHandle<'_, T>) -> T {
     thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
-fn writer<'a>(config: &Config, scene: &Scene, eye: &Eye, folder: &'a Path) -> Result<Writer<'a>> {
-    let digest = format!("{:016x}", fnv1a(eye.config.to_string().as_bytes()));
+/// The writer of a configuration's pictures.
+pub(crate) fn writer<'a>(config: &Config, scene: &Scene, resolved: &Value, folder: &'a Path) -> Result<Writer<'a>> {
+    let digest = digest(resolved.to_string().as_bytes());
     Ok(Writer {
         folder,
         display: config.display(),
@@ -304,8 +307,9 @@ fn writer<'a>(config: &Config, scene: &Scene, eye: &Eye, folder: &'a Path) -> Re
 }
 
 /// FNV-1a: a digest that names a configuration (not a secret).
-fn fnv1a(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &b| (hash ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3))
+pub(crate) fn digest(bytes: &[u8]) -> String {
+    let fnv1a = |hash: u64, &b: &u8| (hash ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3);
+    format!("{:016x}", bytes.iter().fold(0xcbf2_9ce4_8422_2325, fnv1a))
 }
 
 /// What ties the eye's stage to its neighbours: frames one way, planes to be written over the other.

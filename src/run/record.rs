@@ -62,7 +62,7 @@ pub fn probes(config: &Config) -> Vec<Probe> {
 
 impl Probe {
     /// The probe's pixel: floor(at * size), inside the picture.
-    fn pixel(&self, size: [usize; 2], gaze: [f64; 2]) -> [usize; 2] {
+    pub fn pixel(&self, size: [usize; 2], gaze: [f64; 2]) -> [usize; 2] {
         [0, 1].map(|i| {
             let pixel = self.at.map_or(gaze[i].round(), |at| (at[i] * size[i] as f64).floor());
             (pixel.max(0.0) as usize).min(size[i] - 1)
