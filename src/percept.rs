@@ -362,7 +362,7 @@ mod tests {
         let vision = Vision::of_bands(observer, &Bands::from_centres(&centres).unwrap());
         let projection = vision.projection().unwrap();
         let mut moments = vec![0.0f32; projection.rows];
-        projection.project(&vec![(1.0 / luminance) as f32; 31], &mut moments);
+        projection.project(&[(1.0 / luminance) as f32; 31], &mut moments);
         let moments: Vec<f64> = moments.into_iter().map(f64::from).collect();
         let pupil = Millimetres(4.0);
         let td = vision.illuminance(&moments, &vision.illuminance_weights(pupil, Millimetres(0.0)));

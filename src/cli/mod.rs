@@ -1,16 +1,22 @@
 //! Arguments, exit codes, and who prints what: results on stdout, everything else on stderr.
 
+mod chart;
 mod completions;
+mod inspect;
+mod plan;
 mod run;
+mod sweep;
+mod table;
+mod validate;
 mod watch;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Args, CommandFactory, Parser, Subcommand};
 
 use sungaze::error::{Error, Result};
-use sungaze::run::Existing;
+use sungaze::run::{Existing, not_empty};
 
 /// What a person sees while staring at a bright light.
 #[derive(Parser)]
@@ -27,6 +33,41 @@ enum Command {
     Run {
         /// A TOML file; without one, the built-in defaults.
         config: Option<PathBuf>,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Sweep exposure durations and any other parameter, from one TOML file with [sweep].
+    ///
+    /// A folder that holds the same sweep is gone on with: finished cases are kept.
+    #[command(after_help = "Examples:\n  sungaze sweep configs/exposure_sweep.toml\n  \
+                            seq 0 4 | parallel sungaze sweep configs/half_bleach_sweep.toml --index {} && \\\n  \
+                            sungaze sweep configs/half_bleach_sweep.toml --merge")]
+    Sweep {
+        config: PathBuf,
+        #[command(flatten)]
+        asked: sweep::Asked,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Chart speed against accuracy, and where methods fail. Without NAME: every chart.
+    #[command(after_help = "Example:\n  sungaze chart work-precision stability --out out/chart")]
+    Chart {
+        names: Vec<String>,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Hold the program against closed forms, the paper, published numbers and the oracle; exit code 1 if it fails.
+    #[command(
+        after_help = "Example:\n  sungaze validate --out out/validate\n  sungaze validate --set 'observer.tau_s=[121.2, 121.2, 121.2]'   fails: one per cent off"
+    )]
+    Validate {
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Say what a run would model and what it would leave out, each with its error bound and cost. Writes nothing.
+    #[command(after_help = "Example:\n  sungaze plan configs/sunset.toml")]
+    Plan {
+        config: PathBuf,
         #[command(flatten)]
         common: Common,
     },
@@ -82,6 +123,16 @@ impl Common {
         self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(name))
     }
 
+    /// Makes the folder, or refuses one that holds something without leave to replace it.
+    fn ready(&self, folder: &Path) -> Result<()> {
+        std::fs::create_dir_all(folder).map_err(Error::io(folder, "create"))?;
+        let empty = std::fs::read_dir(folder).map_err(Error::io(folder, "read"))?.next().is_none();
+        if empty || self.overwrite || self.resume {
+            return Ok(());
+        }
+        Err(not_empty(folder))
+    }
+
     /// One pool for everything, of the size that was asked for.
     fn pool(&self) -> Result<()> {
         let threads = self.threads.unwrap_or(0);
@@ -108,10 +159,11 @@ pub fn main() -> ExitCode {
 fn dispatch(command: Command) -> Result<ExitCode> {
     match command {
         Command::Run { config, common } => run::command(config.as_deref(), &common),
-        Command::Inspect { files, common } => {
-            let _ = (files, common);
-            Ok(ExitCode::SUCCESS)
-        }
+        Command::Sweep { config, asked, common } => sweep::command(&config, &asked, &common),
+        Command::Chart { names, common } => chart::command(&names, &common),
+        Command::Plan { config, common } => plan::command(&config, &common),
+        Command::Inspect { files, common } => inspect::command(&files, &common),
+        Command::Validate { common } => validate::command(&common),
         Command::Completions { shell } => {
             completions::command(shell, &mut Cli::command());
             Ok(ExitCode::SUCCESS)

@@ -37,12 +37,10 @@ fn in_words(plan: &Value) -> String {
     }
     lines.push(match plan["budget"].as_f64() {
         Some(budget) => format!("  {:<12} together, of a budget of {budget:.1e}", bound(&plan["bound_total"])),
-        None => format!("  {:<12} together; numerics.model = \"auto\" would keep a budget", bound(&plan["bound_total"])),
+        None => {
+            format!("  {:<12} together; numerics.model = \"auto\" would keep a budget", bound(&plan["bound_total"]))
+        }
     });
-    lines.push(format!(
-        "  a frame of a megapixel: {:.1} ms to read, {:.1} ms to see",
-        cost("reading"),
-        cost("seeing")
-    ));
+    lines.push(format!("  a frame of a megapixel: {:.1} ms to read, {:.1} ms to see", cost("reading"), cost("seeing")));
     lines.join("\n")
 }

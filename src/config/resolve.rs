@@ -195,6 +195,7 @@ impl Config {
         };
         Sequence::find(names, &self.base, &input.range, missing).map(Some).map_err(|error| match error {
             Error::Config { key, problem, .. } => self.wrong(&format!("input.{key}"), problem),
+            Error::File { path, problem } => self.wrong("input.frames", format!("{}: {problem}", path.display())),
             other => other,
         })
     }

@@ -3,7 +3,7 @@
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 
-use crate::frames::{Negative, NonFinite};
+use crate::frames::{Negative, NonFinite, ReadOptions};
 use crate::light::{Samples, Tally};
 
 /// A number that a picture is stored in.
@@ -83,6 +83,15 @@ pub(super) struct Census {
 }
 
 impl Census {
+    /// Counts samples of one plane from column `x` of row `y` on, then mends them.
+    pub fn admit<T: Sample>(&mut self, samples: &mut [T], plane: usize, at: (usize, usize), mending: Mending) {
+        self.count(samples, plane, at.0, at.1);
+        if mending.measured {
+            self.measure(samples);
+        }
+        mending.mend(samples);
+    }
+
     /// Counts samples of one plane from column `x` of row `y` on.
     pub fn count<T: Sample>(&mut self, samples: &[T], plane: usize, x: usize, y: usize) {
         let (mut wild, mut negative) = (false, 0u32);
@@ -136,9 +145,22 @@ pub(super) struct Mending {
     pub negative: Negative,
     /// What stands for infinity, once the frame's largest value is known.
     pub infinity: Option<f32>,
+    /// Whether the largest finite value is looked for, against the day that it must stand for infinity.
+    pub measured: bool,
 }
 
 impl Mending {
+    /// The first reading under these options.
+    pub fn first(options: &ReadOptions) -> Mending {
+        let measured = options.non_finite == NonFinite::Clamp;
+        Mending { negative: options.negative, infinity: None, measured }
+    }
+
+    /// The second reading, after a census that found what the policy lets pass.
+    pub fn second(self, census: &Census) -> Mending {
+        Mending { infinity: Some(census.largest), measured: false, ..self }
+    }
+
     /// Mends samples that were counted.
     pub fn mend<T: Sample>(self, samples: &mut [T]) {
         if let Some(infinity) = self.infinity {
@@ -194,9 +216,9 @@ mod tests {
     #[test]
     fn infinity_becomes_the_largest_value_and_the_rest_dark() {
         let mut values = [1.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -3.0];
-        Mending { negative: Negative::Clamp, infinity: Some(7.0) }.mend(&mut values);
+        Mending { negative: Negative::Clamp, infinity: Some(7.0), measured: false }.mend(&mut values);
         assert_eq!(values, [1.0, 0.0, 7.0, 0.0, 0.0]);
-        Mending { negative: Negative::Keep, infinity: None }.mend(&mut values);
+        Mending { negative: Negative::Keep, infinity: None, measured: false }.mend(&mut values);
         assert_eq!(values[2], 7.0);
     }
 }

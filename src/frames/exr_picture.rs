@@ -10,9 +10,10 @@ use rayon::prelude::*;
 use crate::error::{Error, Result};
 use crate::frames::census::{Census, Mending, verdict};
 use crate::frames::channels::{Choice, Offer, choose, listed};
-use crate::frames::exr_file::{ExrFile, Part, Place, Stored};
+use crate::frames::exr_file::{ExrFile, Part};
+use crate::frames::exr_rows::{Place, Stored};
 use crate::frames::footage::Picture;
-use crate::frames::{Header, Kind, NonFinite, ReadOptions};
+use crate::frames::{Header, Kind, ReadOptions};
 use crate::light::{Frame, Planes, Primaries, Projection, Samples};
 use crate::units::Nits;
 
@@ -32,6 +33,10 @@ impl ExrPicture {
         let (width, height) = file.part(part, options.max_pixels).map(|part| (part.width, part.height))?;
         let attributes = &file.meta.headers[part].own_attributes;
         let mut notes = choice.notes.clone();
+        if file.meta.headers.len() > 1 {
+            let name = attributes.layer_name.as_ref().map(|name| format!(", `{name}`")).unwrap_or_default();
+            notes.push(format!("part {} of {}{name}", part + 1, file.meta.headers.len()));
+        }
         let aspect = file.meta.headers[part].shared_attributes.pixel_aspect;
         if aspect != 1.0 {
             notes.push(format!("its pixels are not square (pixelAspectRatio {aspect}); read as square"));
@@ -71,39 +76,30 @@ impl ExrPicture {
             .map_err(|problem| Error::file(&self.file.path, problem))
     }
 
-    fn mending(&self, infinity: Option<f32>) -> Mending {
-        Mending { negative: self.options.negative, infinity }
-    }
-
-    /// Three planes in the file's own numbers.
-    fn rgb<T: Stored>(&self, recycled: Option<Planes>) -> Result<Frame> {
+    /// The planes in the file's own numbers.
+    fn as_stored<T: Stored>(&self, recycled: Option<Planes>) -> Result<Frame> {
         let part = self.part()?;
         let (width, places) = (part.width, self.places(&part));
-        let mut samples: Vec<T> = canvas(recycled, width * part.height * 3, part.covers_display());
-        let counts = part.decode(&mut samples, width * 3, |rows, out, _| {
+        let count = places.len();
+        let mut samples: Vec<T> = canvas(recycled, width * part.height * count, part.covers_display());
+        let mending = Mending::first(&self.options);
+        let counts = part.decode(&mut samples, width * count, |rows, out, _| {
             let mut census = Census::default();
+            let columns = rows.columns();
             for (i, y) in rows.rows() {
                 for (plane, &place) in places.iter().enumerate() {
-                    let columns = rows.columns();
-                    let out = &mut out[(i * 3 + plane) * width..][columns.clone()];
+                    let out = &mut out[(i * count + plane) * width..][columns.clone()];
                     rows.fetch(i, place, out);
-                    census.count(out, plane, columns.start, y);
-                    self.mending(None).mend(out);
+                    census.admit(out, plane, (columns.start, y), mending);
                 }
             }
             census
         })?;
         let census = counts.into_iter().fold(Census::default(), Census::plus);
         if self.verdict(&census)? {
-            let measure = |mut census: Census, row: &[T]| {
-                census.measure(row);
-                census
-            };
-            let rows = samples.par_chunks(width).fold(Census::default, measure);
-            let largest = rows.map(|census| census.largest).reduce(|| 0.0, f32::max);
-            samples.par_chunks_mut(width).for_each(|row| self.mending(Some(largest)).mend(row));
+            samples.par_chunks_mut(width).for_each(|row| mending.second(&census).mend(row));
         }
-        let planes = Planes { width, height: part.height, count: 3, samples: T::into_samples(samples) };
+        let planes = Planes { width, height: part.height, count, samples: T::into_samples(samples) };
         Ok(Frame { planes, tally: census.tally })
     }
 
@@ -114,18 +110,17 @@ impl ExrPicture {
         let projection = projection.reordered(&bands, &self.choice.scale);
         let count = projection.rows;
         let mut sums: Vec<f32> = canvas(recycled, part.width * part.height * count, part.covers_display());
-        let census = self.project(&part, &projection, &mut sums, None)?;
+        let mending = Mending::first(&self.options);
+        let census = self.project(&part, &projection, &mut sums, mending)?;
         if self.verdict(&census)? {
-            self.project(&part, &projection, &mut sums, Some(census.largest))?;
+            self.project(&part, &projection, &mut sums, mending.second(&census))?;
         }
         let planes = Planes { width: part.width, height: part.height, count, samples: Samples::Float(sums) };
         Ok(Frame { planes, tally: census.tally })
     }
 
-    fn project(&self, part: &Part, projection: &Projection, sums: &mut [f32], infinity: Option<f32>) -> Result<Census> {
+    fn project(&self, part: &Part, projection: &Projection, sums: &mut [f32], mending: Mending) -> Result<Census> {
         let (width, places) = (part.width, self.places(part));
-        let mending = self.mending(infinity);
-        let measured = self.options.non_finite == NonFinite::Clamp && infinity.is_none();
         let counts = part.decode(sums, width * projection.rows, |rows, out, row| {
             let mut census = Census::default();
             let columns = rows.columns();
@@ -134,11 +129,7 @@ impl ExrPicture {
             for (i, y) in rows.rows() {
                 for (band, samples) in row.chunks_exact_mut(columns.len()).enumerate() {
                     rows.fetch(i, places[band], samples);
-                    census.count(samples, band, columns.start, y);
-                    if measured {
-                        census.measure(samples);
-                    }
-                    mending.mend(samples);
+                    census.admit(samples, band, (columns.start, y), mending);
                 }
                 let out = &mut out[i * projection.rows * width..][..projection.rows * width];
                 if columns.len() == width {
@@ -165,12 +156,36 @@ impl Picture for ExrPicture {
         let part = self.part()?;
         let half = self.places(&part).iter().all(|place| place.kind == SampleType::F16);
         match (&self.choice.kind, projection) {
-            (Kind::Rgb(_), _) if half => self.rgb::<f16>(recycled),
-            (Kind::Rgb(_), _) => self.rgb::<f32>(recycled),
+            (Kind::Rgb(_), _) if half => self.as_stored::<f16>(recycled),
+            (Kind::Rgb(_), _) => self.as_stored::<f32>(recycled),
             (Kind::Spectral(_), Some(projection)) => self.spectral(projection, recycled),
             (Kind::Spectral(bands), None) => self.spectral(&Projection::identity(bands.len()), recycled),
         }
     }
+}
+
+/// Reads channels by their names, as float planes in that order, and the text of the attribute `sungaze`: what
+/// [`write_exr`](crate::frames::write_exr) wrote.
+pub fn read_exr(path: &Path, names: &[&str], max_pixels: u64) -> Result<(Planes, Option<String>)> {
+    let file = ExrFile::open(path)?;
+    let header = &file.meta.headers[0];
+    let list = &header.channels.list;
+    let channel = |name: &&str| {
+        let found = list.iter().position(|channel| channel.name == **name);
+        found.ok_or_else(|| Error::file(path, format!("has no channel `{name}`")))
+    };
+    let channels = names.iter().map(channel).collect::<Result<_>>()?;
+    let json = header.own_attributes.other.iter().find_map(|(name, value)| match value {
+        AttributeValue::Text(text) if *name == *"sungaze" => Some(text.to_string()),
+        _ => None,
+    });
+    let kind = Kind::Rgb(Primaries::REC709);
+    let (width, height) = file.part(0, max_pixels).map(|part| (part.width, part.height))?;
+    let header = Header { width, height, kind: kind.clone(), white: None, frames_per_second: None, notes: Vec::new() };
+    let choice = Choice { kind, channels, scale: Vec::new(), notes: Vec::new() };
+    let options = ReadOptions { max_pixels, ..ReadOptions::default() };
+    let picture = ExrPicture { file, part: 0, choice, header, options };
+    Ok((picture.as_stored::<f32>(None)?.planes, json))
 }
 
 /// Planes to decode into: recycled ones where they fit, dark where nothing will be written.
@@ -193,7 +208,7 @@ fn chosen(file: &ExrFile, options: &ReadOptions) -> Result<(usize, Choice), Stri
     let headers = file.meta.headers.iter().enumerate();
     let mut problem = None;
     for (index, header) in headers {
-        let named = header.own_attributes.layer_name.as_ref().is_some_and(|name| name.to_string() == layer);
+        let named = header.own_attributes.layer_name.as_ref().is_some_and(|name| *name == *layer);
         let prefixes =
             [(named || layer.is_empty()).then(String::new), (!layer.is_empty()).then(|| format!("{layer}."))];
         for prefix in prefixes.into_iter().flatten() {

@@ -1,12 +1,17 @@
 //! Footage made of files, one frame each, of whatever formats: each file says in its header what it is, and every
 //! one after the first is held to what the first one said.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
+use crate::frames::census::{Census, Mending, verdict};
+use crate::frames::displayed::DisplayedPicture;
+use crate::frames::envi::EnviPicture;
 use crate::frames::exr_picture::ExrPicture;
+use crate::frames::radiance::RadiancePicture;
 use crate::frames::{Footage, Header, Kind, ReadOptions};
-use crate::light::{Frame, Planes, Projection};
+use crate::light::{Frame, Planes, Projection, Samples};
 
 /// A picture file whose header was read.
 pub(super) trait Picture: Send + Sync {
@@ -16,15 +21,89 @@ pub(super) trait Picture: Send + Sync {
 }
 
 /// The extensions that are read.
-pub const EXTENSIONS: &str = ".exr";
+const EXTENSIONS: &str =
+    ".exr, .hdr and .pic (Radiance), .png, .jpg, and ENVI (.hdr beside .img, .raw, .dat, .bsq, .bil or .bip)";
 
-/// Opens a picture by its extension.
-pub(super) fn picture(path: &Path, options: &ReadOptions) -> Result<Box<dyn Picture>> {
+/// What a file is, by its extension and, for the two formats that share `.hdr`, its first bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Format {
+    OpenExr,
+    Radiance,
+    Displayed,
+    Envi,
+}
+
+/// Tells the format of a file.
+pub(super) fn format(path: &Path) -> Result<Format> {
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
     match extension.as_deref() {
-        Some("exr") => Ok(Box::new(ExrPicture::open(path, options)?)),
+        Some("exr") => Ok(Format::OpenExr),
+        Some("pic") => Ok(Format::Radiance),
+        Some("png" | "jpg" | "jpeg") => Ok(Format::Displayed),
+        Some("img" | "raw" | "dat" | "bsq" | "bil" | "bip") => Ok(Format::Envi),
+        Some("hdr") => {
+            let mut start = Vec::new();
+            let file = std::fs::File::open(path).map_err(Error::io(path, "read"))?;
+            file.take(4).read_to_end(&mut start).map_err(Error::io(path, "read"))?;
+            Ok(if start == b"ENVI" { Format::Envi } else { Format::Radiance })
+        }
         _ => Err(Error::file(path, format!("is of no known format; read are {EXTENSIONS}"))),
     }
+}
+
+/// Opens a picture.
+pub(super) fn picture(path: &Path, options: &ReadOptions) -> Result<Box<dyn Picture>> {
+    Ok(match format(path)? {
+        Format::OpenExr => Box::new(ExrPicture::open(path, options)?),
+        Format::Radiance => Box::new(RadiancePicture::open(path, options)?),
+        Format::Displayed => Box::new(DisplayedPicture::open(path, options)?),
+        Format::Envi => Box::new(EnviPicture::open(path, options)?),
+    })
+}
+
+/// More uncompressed bytes than this for each byte of a file is no picture. Measured on black frames of 3840 x 2160:
+/// PXR24 packs 1250 bytes of floats into one, ZIP 940, PIZ 400.
+pub(super) const DENSEST: u64 = 4096;
+
+/// Refuses declared sizes that are beyond `max_pixels`, or that no compression fits into the file.
+pub(super) fn believable(
+    path: &Path,
+    (width, height): (usize, usize),
+    pixel_bytes: usize,
+    densest: u64,
+    max_pixels: u64,
+) -> Result<()> {
+    let pixels = width as u64 * height as u64;
+    if pixels == 0 || pixels > max_pixels {
+        let problem = format!("declares {width} x {height} pixels; 1 to max_pixels = {max_pixels} are read");
+        return Err(Error::file(path, problem));
+    }
+    let bytes = std::fs::metadata(path).map_err(Error::io(path, "read"))?.len();
+    let declared = pixels * pixel_bytes as u64;
+    if declared / densest > bytes {
+        return Err(Error::file(path, format!("declares {declared} bytes of pixels in a file of {bytes} bytes")));
+    }
+    Ok(())
+}
+
+/// Counts and mends the three planes of a picture that was decoded whole.
+pub(super) fn examined(
+    path: &Path,
+    mut planes: Vec<f32>,
+    (width, height): (usize, usize),
+    options: &ReadOptions,
+) -> Result<Frame> {
+    let mending = Mending::first(options);
+    let mut census = Census::default();
+    for (i, row) in planes.chunks_exact_mut(width).enumerate() {
+        census.admit(row, i % 3, (0, i / 3), mending);
+    }
+    let channel = |plane: usize| ["R", "G", "B"][plane].to_owned();
+    if verdict(&census, options.non_finite, channel).map_err(|problem| Error::file(path, problem))? {
+        mending.second(&census).mend(&mut planes);
+    }
+    let planes = Planes { width, height, count: 3, samples: Samples::Float(planes) };
+    Ok(Frame { planes, tally: census.tally })
 }
 
 struct Files {

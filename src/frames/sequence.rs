@@ -107,7 +107,7 @@ fn gcd(a: u32, b: u32) -> u32 {
 fn laid_out(name: &Path, found: &[(u32, PathBuf)], wanted: Vec<u32>, missing: Missing) -> Result<Sequence> {
     let file_of = |number: u32| found.binary_search_by_key(&number, |found| found.0).ok();
     let held: Vec<u32> = wanted.iter().copied().filter(|&number| file_of(number).is_none()).collect();
-    let nothing_to_hold = held.first().is_some() && held.first() == wanted.first();
+    let nothing_to_hold = !held.is_empty() && held.first() == wanted.first();
     if !held.is_empty() && (missing == Missing::Error || nothing_to_hold) {
         let hint = if nothing_to_hold {
             "the first of them has none before it to hold"

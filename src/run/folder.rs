@@ -33,20 +33,22 @@ pub fn prepare(folder: &Path, existing: Existing, config: &Value) -> Result<Prep
     let empty = std::fs::read_dir(folder).map_err(Error::io(folder, "read"))?.next().is_none();
     match existing {
         _ if empty => Ok(Prepared::Fresh),
-        Existing::Refuse => Err(Error::config(
-            "--out",
-            folder.display().to_string(),
-            "is not empty: give --resume to go on with a run, --overwrite to replace it, or another folder",
-        )),
+        Existing::Refuse => Err(not_empty(folder)),
         Existing::Overwrite => remove(folder, |_| true).map(|()| Prepared::Fresh),
         Existing::Resume => resume(folder, config),
     }
 }
 
+/// The refusal of a folder that holds something.
+pub fn not_empty(folder: &Path) -> Error {
+    let problem = "is not empty: give --resume to go on with a run, --overwrite to replace it, or another folder";
+    Error::config("--out", folder.display().to_string(), problem)
+}
+
 fn resume(folder: &Path, config: &Value) -> Result<Prepared> {
     if let Some(checkpoint) = Checkpoint::read(folder)? {
         same(folder, &checkpoint.config, config)?;
-        remove(folder, |name| frame_number(name).is_some_and(|n| n > checkpoint.last_frame))?;
+        remove(folder, |name| is_temporary(name) || frame_number(name).is_some_and(|n| n > checkpoint.last_frame))?;
         return Ok(Prepared::Resume(Box::new(checkpoint)));
     }
     let path = folder.join("report.json");
@@ -58,12 +60,13 @@ fn resume(folder: &Path, config: &Value) -> Result<Prepared> {
     remove(folder, |_| true).map(|()| Prepared::Fresh)
 }
 
-fn same(folder: &Path, earlier: &Value, now: &Value) -> Result<()> {
+/// Refuses other settings than an earlier run's, naming the first key that differs.
+pub(crate) fn same(folder: &Path, earlier: &Value, now: &Value) -> Result<()> {
     match checkpoint::difference(earlier, now) {
         None => Ok(()),
         Some(key) => {
             let at = |config: &Value| {
-                key.split('.').fold(Some(config), |v, part| v?.get(part)).map_or("nothing".into(), Value::to_string)
+                key.split('.').try_fold(config, |v, part| v.get(part)).map_or("nothing".into(), Value::to_string)
             };
             let problem = format!(
                 "{}: the earlier run had {}, this one has {}; resume with the same settings, or --overwrite",
@@ -89,8 +92,14 @@ fn remove(folder: &Path, which: impl Fn(&str) -> bool) -> Result<()> {
 }
 
 fn is_ours(name: &str) -> bool {
-    let fixed = ["trace.csv", "probes.csv", "probes.svg", "report.json", "state.exr", checkpoint::NAME];
-    fixed.contains(&name) || frame_number(name).is_some() || (name.starts_with(".sungaze-") && name.ends_with(".tmp"))
+    let fixed =
+        ["trace.csv", "probes.csv", "probes.svg", "report.json", "state.exr", "video.ffconcat", checkpoint::NAME];
+    fixed.contains(&name) || frame_number(name).is_some() || is_temporary(name)
+}
+
+/// A file that a killed run was still writing.
+fn is_temporary(name: &str) -> bool {
+    name.starts_with(".sungaze-") && name.ends_with(".tmp")
 }
 
 /// The number in `seen.0001.exr` and its like.

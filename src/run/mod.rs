@@ -13,8 +13,9 @@ mod rehearse;
 pub mod report;
 mod scene;
 pub mod schedule;
+mod video;
 pub mod watch;
-mod writer;
+pub(crate) mod writer;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -36,7 +37,9 @@ use crate::units::{Nits, Seconds};
 use crate::viewer::{Look, Viewer};
 
 use checkpoint::Checkpoint;
-pub use folder::{Existing, Prepared};
+use folder::Prepared;
+pub(crate) use folder::same;
+pub use folder::{Existing, not_empty};
 pub use gaze::Gaze;
 use reader::Loaded;
 use record::{Probe, Reading};
@@ -95,7 +98,6 @@ struct Eye {
     display: Option<Display>,
     map: Option<Arc<ToneMap>>,
     counters: Counters,
-    history: Vec<(f64, Vec<Reading>)>,
     state: StateKey,
     config: Value,
     done: usize,
@@ -121,7 +123,6 @@ impl Eye {
             display: (config.settings.output.display == DisplayFile::Png).then(|| config.display()),
             map: None,
             counters: Counters { held_frames: scene.held.clone(), ..Counters::default() },
-            history: Vec::new(),
             state: config.settings.output.state,
             config: resolved,
             done: 0,
@@ -197,7 +198,6 @@ impl Eye {
             state: self.state_file(step, size, last),
             seen: look.seen,
         };
-        self.history.push((step.end(), readings));
         self.done += 1;
         self.busy += begun.elapsed();
         finished
@@ -237,7 +237,8 @@ impl Eye {
     }
 }
 
-fn retina_of_file(config: &Config, file: &str, width: usize, height: usize) -> Result<Retina> {
+/// The retina of a state file, which must be of the frames' size.
+pub(crate) fn retina_of_file(config: &Config, file: &str, width: usize, height: usize) -> Result<Retina> {
     let path = config.path(file);
     let planes = frames::read_state(&path, config.settings.input.max_pixels)?;
     if (planes.width, planes.height) != (width, height) {
@@ -269,7 +270,7 @@ fn stages(
     resume: Option<&Checkpoint>,
     watch: &dyn Watch,
 ) -> Result<Spent> {
-    let writer = writer(config, scene, eye, folder)?;
+    let writer = writer(config, scene, &eye.config, folder)?;
     let tables = Tables::open(folder, resume.map(|c| c.lengths))?;
     let steps = &scene.steps[eye.done..];
     let progress = (eye.done, scene.steps.len());
@@ -298,8 +299,9 @@ fn join<T>(thread: std::thread::ScopedJoinHandle<'_, T>) -> T {
     thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
-fn writer<'a>(config: &Config, scene: &Scene, eye: &Eye, folder: &'a Path) -> Result<Writer<'a>> {
-    let digest = format!("{:016x}", fnv1a(eye.config.to_string().as_bytes()));
+/// The writer of a configuration's pictures.
+pub(crate) fn writer<'a>(config: &Config, scene: &Scene, resolved: &Value, folder: &'a Path) -> Result<Writer<'a>> {
+    let digest = digest(resolved.to_string().as_bytes());
     Ok(Writer {
         folder,
         display: config.display(),
@@ -312,8 +314,9 @@ fn writer<'a>(config: &Config, scene: &Scene, eye: &Eye, folder: &'a Path) -> Re
 }
 
 /// FNV-1a: a digest that names a configuration (not a secret).
-fn fnv1a(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &b| (hash ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3))
+pub(crate) fn digest(bytes: &[u8]) -> String {
+    let fnv1a = |hash: u64, &b: &u8| (hash ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3);
+    format!("{:016x}", bytes.iter().fold(0xcbf2_9ce4_8422_2325, fnv1a))
 }
 
 /// What ties the eye's stage to its neighbours: frames one way, planes to be written over the other.
@@ -373,7 +376,8 @@ fn finish(
     begun: Instant,
     watch: &dyn Watch,
 ) -> Result<Outcome> {
-    plot::write(&folder.join("probes.svg"), &eye.history)?;
+    plot::write(&folder.join("probes.svg"), &record::read_back(&folder.join("probes.csv"))?)?;
+    film(config, scene, folder, watch)?;
     let mut warnings = scene.footage.header().notes.clone();
     for warning in eye.counters.warnings() {
         watch.warn(&warning);
@@ -409,4 +413,16 @@ fn finish(
     frames::atomic::write_text(&folder.join("report.json"), &format!("{report:#}\n"))?;
     Checkpoint::remove(folder)?;
     Ok(Outcome { report, went_on: eye.counters.went_on(), already: false })
+}
+
+/// Makes the film that `output.video` asks for, or says how to.
+fn film(config: &Config, scene: &Scene, folder: &Path, watch: &dyn Watch) -> Result<()> {
+    let output = &config.settings.output;
+    if output.video == "none" {
+        return Ok(());
+    }
+    if let Some(command) = video::make(folder, &output.video, &scene.steps)? {
+        watch.warn(&format!("ffmpeg is not on the PATH; this makes the film where it is: {command}"));
+    }
+    Ok(())
 }

@@ -1,7 +1,11 @@
 //! Rows of `trace.csv` and `probes.csv`.
 
 use crate::colour::chromaticity;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+
 use crate::config::Config;
+use crate::error::{Error, Result};
 use crate::light::Planes;
 use crate::run::schedule::Step;
 use crate::units::Millimetres;
@@ -58,7 +62,7 @@ pub fn probes(config: &Config) -> Vec<Probe> {
 
 impl Probe {
     /// The probe's pixel: floor(at * size), inside the picture.
-    fn pixel(&self, size: [usize; 2], gaze: [f64; 2]) -> [usize; 2] {
+    pub fn pixel(&self, size: [usize; 2], gaze: [f64; 2]) -> [usize; 2] {
         [0, 1].map(|i| {
             let pixel = self.at.map_or(gaze[i].round(), |at| (at[i] * size[i] as f64).floor());
             (pixel.max(0.0) as usize).min(size[i] - 1)
@@ -111,4 +115,62 @@ fn foveal_bleaching(viewer: &Viewer, size: [usize; 2], look: &Look, gaze: [f64; 
 pub fn probe_rows(readings: &[Reading], step: &Step) -> String {
     let row = |r: &Reading| format!("{},{},{}\n", step.number, step.end(), r.columns());
     readings.iter().map(row).collect()
+}
+
+/// At most this many frames of `probes.csv` are plotted, evenly thinned.
+const PLOTTED: usize = 2000;
+
+/// Reads `probes.csv` back, so that a resumed run plots what came before: the readings of each frame by its time.
+pub fn read_back(path: &Path) -> Result<Vec<(f64, Vec<Reading>)>> {
+    let lines = || -> Result<_> {
+        let file = std::fs::File::open(path).map_err(Error::io(path, "read"))?;
+        Ok(BufReader::new(file).lines().skip(1).map_while(|line| line.ok()).filter_map(|line| parse(&line)))
+    };
+    let frames = lines()?.fold((0usize, f64::NAN), |(n, last), (t, _)| (n + usize::from(t != last), t)).0;
+    let stride = frames.div_ceil(PLOTTED).max(1);
+    let (mut history, mut frame, mut last): (Vec<(f64, Vec<Reading>)>, usize, f64) = (Vec::new(), 0, f64::NAN);
+    for (time, reading) in lines()? {
+        frame += usize::from(time != last);
+        last = time;
+        if (frame - 1) % stride == 0 || frame == frames {
+            match history.last_mut() {
+                Some((t, readings)) if *t == time => readings.push(reading),
+                _ => history.push((time, vec![reading])),
+            }
+        }
+    }
+    Ok(history)
+}
+
+fn parse(line: &str) -> Option<(f64, Reading)> {
+    let cells: Vec<&str> = line.split(',').collect();
+    let number = |i: usize| cells.get(i)?.parse().ok();
+    let triple = |i: usize| Some([number(i)?, number(i + 1)?, number(i + 2)?]);
+    let reading =
+        Reading { probe: (*cells.get(2)?).to_owned(), illuminance: triple(3)?, p: triple(6)?, xyz: triple(9)? };
+    Some((number(1)?, reading))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn probes_are_read_back_as_they_were_written_and_thinned_when_they_are_many() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("probes.csv");
+        let reading = |i: u32| Reading {
+            probe: "sun".into(),
+            illuminance: [1e6 / 3.0, 2.0, f64::from(i)],
+            p: [0.1, 1.0, 1e-300],
+            xyz: [0.0; 3],
+        };
+        let step = |i: u32| Step { number: i, file: 0, start: f64::from(i), duration: 0.1 };
+        let rows: String = (0..5000).map(|i| probe_rows(&[reading(i), reading(i)], &step(i))).collect();
+        std::fs::write(&path, format!("{PROBES}{rows}")).unwrap();
+        let history = read_back(&path).unwrap();
+        assert!(history.len() <= PLOTTED + 1 && history.len() > PLOTTED / 2);
+        assert_eq!(history[0], (step(0).end(), vec![reading(0), reading(0)]));
+        assert_eq!(history[history.len() - 1], (step(4999).end(), vec![reading(4999), reading(4999)]));
+    }
 }

@@ -165,7 +165,8 @@ impl Viewer {
                             census = census.and(Census::of_untouched(*left_out));
                         }
                     }
-                    if left_out.is_finite() && returns_light {
+                    let whole = left_out.is_finite() && (moves || p.iter().all(|p| kernel::least(p) == 1.0));
+                    if whole && returns_light {
                         let planes = [light.plane(0), light.plane(1), light.plane(2)];
                         census.limited += stored(planes, seen, from);
                     } else {

@@ -1,0 +1,44 @@
+//! Charts that the program makes of itself: each writes `<name>.csv`, `.svg` and `.png` into a folder.
+//!
+//! A chart is a function and a row of [`CHARTS`]; [`draw`] is the only module that knows how ink is laid.
+
+pub mod axes;
+pub mod draw;
+mod fundamentals;
+mod machine;
+pub(crate) mod palette;
+mod pigment;
+mod scenes;
+mod stability;
+mod stability_map;
+pub mod validation;
+mod verdict;
+mod work;
+mod work_precision;
+
+use crate::error::{Error, Result};
+use std::path::Path;
+
+/// Takes the progress of a chart, line by line.
+pub type Progress<'a> = &'a mut (dyn FnMut(&str) + 'a);
+
+/// One chart: its name on the command line and what makes it in a folder.
+pub struct Chart {
+    pub name: &'static str,
+    pub write: fn(&Path, Progress) -> Result<()>,
+}
+
+/// Every chart, in the order in which they are made.
+pub const CHARTS: &[Chart] = &[
+    Chart { name: "work-precision", write: work_precision::write },
+    Chart { name: "stability", write: stability_map::write },
+    Chart { name: "pigment", write: pigment::write },
+    Chart { name: "fundamentals", write: fundamentals::write },
+];
+
+/// Write a table of `header` and `rows` as `<name>.csv`. No value of ours holds a comma.
+pub fn write_csv(out_dir: &Path, name: &str, header: &str, rows: impl Iterator<Item = String>) -> Result<()> {
+    let path = out_dir.join(format!("{name}.csv"));
+    let table = std::iter::once(header.to_owned()).chain(rows).fold(String::new(), |text, row| text + &row + "\n");
+    std::fs::write(&path, table).map_err(Error::io(&path, "write"))
+}

@@ -1,0 +1,98 @@
+//! Decompressed rows of an OpenEXR part, and the samples of its channels in them.
+
+use std::ops::Range;
+
+use exr::meta::attribute::SampleType;
+use half::f16;
+
+use crate::frames::census::{Sample, widen};
+
+/// Where the samples of a channel lie in a row of a block, and what they are.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    /// Bytes of the channels before it, per pixel.
+    pub before: usize,
+    pub kind: SampleType,
+}
+
+/// Consecutive rows, decompressed: one block of scan lines, or one row of tiles.
+pub(super) struct Rows {
+    /// Columns of the data window, and their bytes: row by row, channel by channel.
+    pub blocks: Vec<(Range<usize>, Vec<u8>)>,
+    pub bytes_per_pixel: usize,
+    /// Row of the data window that the blocks begin with.
+    pub first: usize,
+    /// Rows of the data window that lie in the display window.
+    pub seen: Range<usize>,
+    /// Columns of the data window that lie in the display window.
+    pub columns: Range<usize>,
+    /// Where the data window stands in the display window.
+    pub offset: (i64, i64),
+}
+
+impl Rows {
+    /// Rows of the display window, with each one's index among the items that `visit` was given.
+    pub fn rows(&self) -> impl Iterator<Item = (usize, usize)> + use<'_> {
+        self.seen.clone().enumerate().map(|(i, row)| (i, (row as i64 + self.offset.1) as usize))
+    }
+
+    /// Columns of the display window that have data.
+    pub fn columns(&self) -> Range<usize> {
+        let to_display = |column: usize| (column as i64 + self.offset.0) as usize;
+        to_display(self.columns.start)..to_display(self.columns.end)
+    }
+
+    /// Copies the seen samples of a channel in the `i`th of [`Rows::rows`].
+    pub fn fetch<T: Stored>(&self, i: usize, place: Place, out: &mut [T]) {
+        let row = self.seen.start + i - self.first;
+        for (columns, bytes) in &self.blocks {
+            let seen = columns.start.max(self.columns.start)..columns.end.min(self.columns.end);
+            if seen.is_empty() {
+                continue;
+            }
+            let size = place.kind.bytes_per_sample();
+            let start =
+                (row * self.bytes_per_pixel + place.before) * columns.len() + (seen.start - columns.start) * size;
+            let out = &mut out[seen.start - self.columns.start..][..seen.len()];
+            T::load(&bytes[start..][..seen.len() * size], place.kind, out);
+        }
+    }
+}
+
+/// A sample that the bytes of a file are read into.
+pub(super) trait Stored: Sample {
+    fn load(bytes: &[u8], kind: SampleType, out: &mut [Self]);
+}
+
+impl Stored for f16 {
+    fn load(bytes: &[u8], _: SampleType, out: &mut [f16]) {
+        for (out, bytes) in out.iter_mut().zip(bytes.as_chunks().0) {
+            *out = f16::from_ne_bytes(*bytes);
+        }
+    }
+}
+
+impl Stored for f32 {
+    fn load(bytes: &[u8], kind: SampleType, out: &mut [f32]) {
+        match kind {
+            SampleType::F16 => {
+                let mut halves = [f16::ZERO; 512];
+                for (out, bytes) in out.chunks_mut(512).zip(bytes.chunks(1024)) {
+                    let halves = &mut halves[..out.len()];
+                    f16::load(bytes, kind, halves);
+                    widen(halves, out);
+                }
+            }
+            SampleType::F32 => {
+                for (out, bytes) in out.iter_mut().zip(bytes.as_chunks().0) {
+                    *out = f32::from_ne_bytes(*bytes);
+                }
+            }
+            SampleType::U32 => {
+                for (out, bytes) in out.iter_mut().zip(bytes.as_chunks().0) {
+                    *out = u32::from_ne_bytes(*bytes) as f32;
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! A moving gaze: the pigment belongs to a place on the retina, and the state is never resampled.
+
+use proptest::prelude::*;
+
+use sungaze::eye::Observer;
+use sungaze::kinetics::Kinetics;
+use sungaze::light::{Planes, Primaries, Samples};
+use sungaze::percept::Vision;
+use sungaze::retina::{Model, Retina};
+use sungaze::step::Method;
+use sungaze::units::{Nits, Seconds, Trolands};
+use sungaze::viewer::{self, Viewer};
+
+const WIDTH: usize = 12;
+const HEIGHT: usize = 7;
+
+fn viewer(model: Model) -> Viewer {
+    let vision = Vision::of_rgb(Observer::standard(), &Primaries::REC709, Nits(1e4)).unwrap();
+    let pigments = [Kinetics::first_order(Trolands(2e4), Seconds(120.0)); 3];
+    Viewer::new(vision, pigments, model, Retina::rested(WIDTH, HEIGHT), 2.0)
+}
+
+fn tracked() -> Model {
+    Model::Tracked { method: Method::named("exact").unwrap(), substeps: 0, budget: 1e-3 }
+}
+
+fn picture(f: impl Fn(usize, usize, usize) -> f32) -> Planes {
+    let mut planes = Planes::float(WIDTH, HEIGHT, 3);
+    if let Samples::Float(samples) = &mut planes.samples {
+        for y in 0..HEIGHT {
+            for i in 0..3 {
+                for x in 0..WIDTH {
+                    samples[(y * 3 + i) * WIDTH + x] = f(x, y, i);
+                }
+            }
+        }
+    }
+    planes
+}
+
+fn look(viewer: &mut Viewer, planes: &Planes, gaze: [f64; 2]) -> Planes {
+    let survey = viewer::survey(&viewer.vision, planes, viewer.pixels_per_degree);
+    viewer.look(planes, &survey, gaze, Seconds(0.5), None).seen
+}
+
+fn some_picture() -> Planes {
+    picture(|x, y, i| ((x * 7 + y * 3 + i * 5) % 11) as f32 / 3.0)
+}
+
+proptest! {
+    #[test]
+    fn an_unbleached_eye_returns_its_picture_exactly_at_any_gaze(moves in prop::collection::vec((0.0..12.0f64, 0.0..7.0f64), 1..6)) {
+        let mut eye = viewer(Model::Unbleached);
+        let light = some_picture();
+        for (x, y) in moves {
+            prop_assert_eq!(&look(&mut eye, &light, [x, y]), &light);
+        }
+    }
+
+    #[test]
+    fn a_drifting_gaze_over_a_dark_picture_leaves_the_state_as_a_still_one_does(moves in prop::collection::vec((0.0..12.0f64, 0.0..7.0f64), 1..6)) {
+        let (mut still, mut drifting) = (viewer(tracked()), viewer(tracked()));
+        let (light, dark) = (some_picture(), picture(|_, _, _| 0.0));
+        for eye in [&mut still, &mut drifting] {
+            look(eye, &light, [5.5, 3.0]);
+        }
+        for (x, y) in moves {
+            look(&mut still, &dark, [5.5, 3.0]);
+            look(&mut drifting, &dark, [x, y]);
+        }
+        let [a, b] = [&still, &drifting].map(|eye| eye.retina.first_view(WIDTH, HEIGHT));
+        prop_assert_eq!(a, b);
+    }
+}
+
+#[test]
+fn a_whole_pixel_move_is_the_still_gaze_at_a_picture_moved_the_other_way() {
+    let light = some_picture();
+    let moved = picture(|x, y, i| if x + 2 < WIDTH { some_at(&light, x + 2, y, i) } else { 0.0 });
+    let (mut a, mut b) = (viewer(tracked()), viewer(tracked()));
+    let dark = picture(|_, _, _| 0.0);
+    for eye in [&mut a, &mut b] {
+        eye.vision.observer.pupil = sungaze::eye::Rule::Fixed(sungaze::units::Millimetres(3.0));
+        eye.pupil = sungaze::eye::Pupil::new(eye.vision.observer.pupil, eye.vision.observer.dynamics);
+        look(eye, &dark, [5.0, 3.0]);
+    }
+    look(&mut a, &light, [7.0, 3.0]);
+    look(&mut b, &moved, [5.0, 3.0]);
+    assert_eq!(a.retina.first_view(WIDTH, HEIGHT), b.retina.first_view(WIDTH, HEIGHT));
+}
+
+fn some_at(planes: &Planes, x: usize, y: usize, i: usize) -> f32 {
+    planes.at(x, y, i) as f32
+}
+
+#[test]
+fn looking_away_from_a_light_leaves_its_image_where_the_gaze_goes() {
+    let sun = picture(|x, y, _| if (x, y) == (5, 3) { 1e5 } else { 0.01 });
+    let wall = picture(|_, _, _| 1.0);
+    let mut eye = viewer(tracked());
+    look(&mut eye, &sun, [5.0, 3.0]);
+    let seen = look(&mut eye, &wall, [8.0, 4.0]);
+    let at = |x: usize, y: usize| seen.at(x, y, 1);
+    assert!(at(8, 4) < 0.2 * at(2, 2), "the after-image is at the gaze: {} against {}", at(8, 4), at(2, 2));
+    assert!((at(5, 3) / at(2, 2) - 1.0).abs() < 1e-2, "and not where the sun was");
+}

@@ -1,0 +1,136 @@
+//! Runs that are killed, interrupted or refused: nothing half-written, nothing lost.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+const RUN: [&str; 12] = [
+    "run",
+    "--quiet",
+    "--set",
+    "input.width=96",
+    "--set",
+    "output.checkpoint_s=0",
+    "--set",
+    "output.state=every",
+    "--set",
+    "observer.pupil_delay_s=0.2",
+    "--set",
+    "observer.pupil_closing_s=0.3",
+];
+
+fn start(folder: &Path, more: &[&str]) -> Child {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sungaze"));
+    command.args(RUN).args(more).current_dir(folder).stdout(Stdio::null()).stderr(Stdio::null());
+    command.spawn().expect("the program starts")
+}
+
+fn finish(folder: &Path, more: &[&str]) -> i32 {
+    start(folder, more).wait().unwrap().code().unwrap_or(-1)
+}
+
+/// Every file of a run but the report and what is still being written.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let entries = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path());
+    let named = entries.map(|path| (path.file_name().unwrap().to_string_lossy().into_owned(), path));
+    named
+        .filter(|(name, _)| !name.ends_with(".tmp") && name != "report.json")
+        .map(|(name, path)| (name, std::fs::read(path).unwrap()))
+        .collect()
+}
+
+#[test]
+fn a_run_killed_at_any_moment_resumes_to_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    let begun = Instant::now();
+    assert_eq!(finish(folder.path(), &["--out", "whole"]), 0);
+    let took = begun.elapsed();
+    let whole = files(&folder.path().join("whole"));
+    assert_eq!(whole.len(), 60 * 3 + 3);
+    let mut killed = 0;
+    for moment in 0..20u32 {
+        let out = format!("killed{moment}");
+        let mut child = start(folder.path(), &["--out", &out]);
+        // An odd stride over the run's length, so that kills fall everywhere.
+        std::thread::sleep(took * (moment * 7 % 20) / 20 + Duration::from_millis(u64::from(moment)));
+        killed += u32::from(child.try_wait().unwrap().is_none());
+        child.kill().unwrap();
+        child.wait().unwrap();
+        let at = folder.path().join(&out);
+        if at.exists() {
+            for (name, bytes) in files(&at) {
+                let grows = name.ends_with(".csv") || name.ends_with(".sungaze");
+                assert!(grows || whole.get(&name) == Some(&bytes), "{name} was half-written at kill {moment}");
+            }
+        }
+        assert_eq!(finish(folder.path(), &["--out", &out, "--resume"]), 0);
+        let resumed = files(&at);
+        assert_eq!(resumed.keys().collect::<Vec<_>>(), whole.keys().collect::<Vec<_>>());
+        for (name, bytes) in &whole {
+            assert_eq!(&resumed[name], bytes, "{name} after kill {moment}");
+        }
+        let left = std::fs::read_dir(&at)
+            .unwrap()
+            .filter(|e| e.as_ref().unwrap().path().extension().is_some_and(|x| x == "tmp"));
+        assert_eq!(left.count(), 0, "temporary files are swept up");
+    }
+    assert!(killed > 5, "only {killed} of 20 runs were still going when killed");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_finishes_its_frame_and_can_go_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let set = ["--out", "o", "--set", "time.duration_s=3600", "--set", "time.fps=1"];
+    let mut child = start(folder.path(), &set);
+    let at = folder.path().join("o");
+    let begun = Instant::now();
+    while !at.join("seen.0002.exr").exists() && begun.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(at.join("checkpoint.sungaze").exists());
+    let rows = std::fs::read_to_string(at.join("trace.csv")).unwrap().lines().count() - 1;
+    let written = files(&at).keys().filter(|name| name.starts_with("seen.")).count();
+    assert_eq!(rows, written, "a row of the trace for every frame");
+    let changed =
+        finish(folder.path(), &["--out", "o", "--resume", "--set", "time.duration_s=3600", "--set", "time.fps=2"]);
+    assert_eq!(changed, 2, "changed settings are refused");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_folder_that_cannot_be_written_is_reported_as_such() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("file"), "not a folder").unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_sungaze"))
+        .args(RUN)
+        .args(["--out", "file/inside"])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(told.contains("file/inside") && told.contains("cannot create"), "{told}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_reported_and_leaves_no_half_picture() {
+    // /dev/full refuses every write: a table that cannot grow stops the run.
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path().join("o");
+    std::fs::create_dir(&at).unwrap();
+    std::os::unix::fs::symlink("/dev/full", at.join("trace.csv")).unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_sungaze"))
+        .args(RUN)
+        .args(["--out", "o", "--resume"])
+        .current_dir(folder.path())
+        .output()
+        .unwrap();
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{told}");
+    assert!(told.contains("trace.csv") && told.contains("cannot write"), "{told}");
+}

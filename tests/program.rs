@@ -1,0 +1,221 @@
+//! The program as a user meets it: outputs, exit codes, messages.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use sungaze::frames::{About, Compression, write_exr};
+use sungaze::light::{Planes, Samples};
+use sungaze::units::Nits;
+
+fn sungaze(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_sungaze"))
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .expect("the program starts")
+}
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a folder for the test")
+}
+
+fn code(output: &Output) -> i32 {
+    output.status.code().unwrap_or(-1)
+}
+
+fn told(output: &Output) -> String {
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!text.contains("panicked") && !text.contains("RUST_BACKTRACE"), "{text}");
+    text
+}
+
+const SMALL: [&str; 6] =
+    ["--set", "input.width=64", "--set", "time.times_s=[0, 0.5, 1, 2]", "--set", "output.compression=zip"];
+
+fn run_small(folder: &Path, more: &[&str]) -> Output {
+    sungaze(folder, &[&["run", "--quiet"], &SMALL[..], more].concat())
+}
+
+fn picture(path: &Path, width: usize, height: usize, rgb: [f32; 3]) {
+    let mut planes = Planes::float(width, height, 3);
+    if let Samples::Float(samples) = &mut planes.samples {
+        for (i, v) in samples.iter_mut().enumerate() {
+            *v = rgb[i / width % 3];
+        }
+    }
+    let about = About { white: Some(Nits(1000.0)), ..About::default() };
+    write_exr(path, &["R", "G", "B"], &planes, Compression::Zip, &about).unwrap();
+}
+
+#[test]
+fn a_run_leaves_what_its_contract_says() {
+    let folder = folder();
+    let output = run_small(folder.path(), &["--out", "o", "--json"]);
+    assert_eq!(code(&output), 0, "{}", told(&output));
+    let o = folder.path().join("o");
+    for name in
+        ["seen.0001.exr", "display.0003.png", "state.exr", "trace.csv", "probes.csv", "probes.svg", "report.json"]
+    {
+        assert!(o.join(name).metadata().is_ok_and(|m| m.len() > 0), "{name}");
+    }
+    assert_eq!(std::fs::read_dir(&o).unwrap().count(), 3 + 3 + 5, "nothing else, no checkpoint, no temporary file");
+    let trace = std::fs::read_to_string(o.join("trace.csv")).unwrap();
+    assert!(trace.starts_with("frame,time_s,duration_s,gaze_x,gaze_y,adapting_cd_m2,pupil_mm,sce_L,sce_M,sce_S,"));
+    assert_eq!(trace.lines().count(), 4);
+    let probes = std::fs::read_to_string(o.join("probes.csv")).unwrap();
+    assert!(probes.starts_with("frame,time_s,probe,I_L,I_M,I_S,p_L,p_M,p_S,X,Y,Z,x,y\n1,0.5,gaze,"));
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("stdout is the report");
+    for key in ["config", "version", "constants", "plan", "check", "frames", "warnings", "timing"] {
+        assert!(!report[key].is_null(), "{key}");
+    }
+}
+
+#[test]
+fn results_do_not_depend_on_the_number_of_threads() {
+    let folder = folder();
+    for threads in ["1", "2", "5"] {
+        let output = run_small(folder.path(), &["--out", threads, "--threads", threads]);
+        assert_eq!(code(&output), 0, "{}", told(&output));
+    }
+    for name in ["seen.0003.exr", "display.0002.png", "state.exr", "trace.csv", "probes.csv", "probes.svg"] {
+        let bytes = |threads: &str| std::fs::read(folder.path().join(threads).join(name)).unwrap();
+        assert_eq!(bytes("1"), bytes("2"), "{name}");
+        assert_eq!(bytes("1"), bytes("5"), "{name}");
+    }
+}
+
+#[test]
+fn an_eye_that_is_not_modelled_gives_back_the_files_own_pixels() {
+    let folder = folder();
+    picture(&folder.path().join("in.exr"), 8, 4, [0.3, -0.01, 70000.0]);
+    let set = [
+        "--set",
+        "input.frames=in.exr",
+        "--set",
+        "input.horizontal_fov_deg=8",
+        "--set",
+        "numerics.model=none",
+        "--set",
+        "time.duration_s=0.04",
+    ];
+    let output = sungaze(folder.path(), &[&["run", "--quiet", "--out", "o"], &set[..]].concat());
+    assert_eq!(code(&output), 0, "{}", told(&output));
+    let options = sungaze::frames::ReadOptions::default();
+    let read = |name: &str| {
+        let footage = sungaze::frames::open(&[folder.path().join(name)], &options).unwrap();
+        footage.read(0, None, None).unwrap().planes
+    };
+    assert_eq!(read("in.exr"), read("o/seen.0001.exr"));
+}
+
+#[test]
+fn a_folder_with_something_in_it_is_refused_resumed_or_overwritten() {
+    let folder = folder();
+    std::fs::create_dir(folder.path().join("o")).unwrap();
+    std::fs::write(folder.path().join("o/mine.txt"), "mine").unwrap();
+    let refused = run_small(folder.path(), &["--out", "o"]);
+    assert_eq!(code(&refused), 2);
+    assert!(told(&refused).contains("--resume") && told(&refused).contains("--overwrite"));
+    assert_eq!(code(&run_small(folder.path(), &["--out", "o", "--overwrite"])), 0);
+    assert_eq!(std::fs::read_to_string(folder.path().join("o/mine.txt")).unwrap(), "mine");
+    let again = run_small(folder.path(), &["--out", "o", "--resume"]);
+    assert_eq!(code(&again), 0, "a complete run has nothing to resume");
+    let changed = run_small(folder.path(), &["--out", "o", "--resume", "--set", "observer.age=31"]);
+    assert_eq!(code(&changed), 2);
+    assert!(told(&changed).contains("observer.age"), "{}", told(&changed));
+}
+
+/// A configuration, the exit code it deserves and what the message must name.
+const WRONG: &[(&str, i32, &[&str])] = &[
+    ("[observer]\nagee = 30\n", 2, &["c.toml:2", "agee"]),
+    ("[observer]\nage = \"old\"\n", 2, &["c.toml:2", "observer.age"]),
+    ("[observer]\n\nage = 300\n", 2, &["c.toml:3", "observer.age", "300", "5 to 120"]),
+    ("[observer]\npupil = \"round\"\n", 2, &["c.toml:2", "observer.pupil", "watson-yellott", "moon-spencer"]),
+    ("[observer]\npreset = \"papper\"\n", 2, &["c.toml:2", "observer.preset", "papper", "paper"]),
+    ("[observer]\nconstants = \"mine\"\n", 2, &["observer.constants", "wyszecki-stiles"]),
+    ("[observer]\npupil = \"fixed\"\n", 2, &["observer.pupil_mm", "required"]),
+    ("[observer]\ntau_s = [120, 120, nan]\n", 2, &["observer.tau_s", "NaN"]),
+    ("[numerics]\nmethod = \"leapfrog\"\n", 2, &["numerics.method", "exact", "forward-euler"]),
+    ("[time]\nfps = 24\ninterval_s = 1\n", 2, &["time.interval_s", "excludes", "time.fps"]),
+    ("[time]\ntimes_s = [0, 2, 1]\n", 2, &["c.toml:2", "time.times_s", "rise"]),
+    (
+        "[input]\nframes = \"nowhere.####.exr\"\nhorizontal_fov_deg = 40\n",
+        2,
+        &["c.toml:2", "input.frames", "nowhere.####.exr"],
+    ),
+    ("[input]\nframes = \"empty.exr\"\nhorizontal_fov_deg = 40\n", 1, &["empty.exr"]),
+    ("[input]\nframes = \"text.exr\"\nhorizontal_fov_deg = 40\n", 1, &["text.exr"]),
+    ("[input]\nframes = \"cut.exr\"\nhorizontal_fov_deg = 40\n", 1, &["cut.exr"]),
+    ("[input]\nframes = \"nan.exr\"\nhorizontal_fov_deg = 40\n", 1, &["nan.exr", "NaN"]),
+    ("[input]\nframes = \"plain.exr\"\n", 2, &["input.horizontal_fov_deg", "required"]),
+    ("[input]\nframes = \"white.exr\"\nhorizontal_fov_deg = 40\n", 2, &["input.white_cd_m2", "required", "179"]),
+    ("[input]\nframes = \"plain.exr\"\nhorizontal_fov_deg = 40\nmax_pixels = 3\n", 1, &["plain.exr", "max_pixels"]),
+    ("[input]\nscene = \"moonrise\"\n", 2, &["input.scene", "sunset"]),
+    ("[display]\nhighlights = 2\n", 2, &["display.highlights", "0 to 1"]),
+    ("[output]\ncompression = \"tar\"\n", 2, &["output.compression", "zip"]),
+    ("[[output.probe]]\nname = \"a,b\"\nat = [0.5, 0.5]\n", 2, &["output.probe.name"]),
+    ("[[output.probe]]\nname = \"a\"\nat = [0.5, 1.5]\n", 2, &["output.probe.at", "1.5"]),
+    ("[gaze]\nat = \"darkest\"\n", 2, &["c.toml:2", "gaze.at", "brightest"]),
+    ("[gaze]\npath = \"nowhere.csv\"\n", 1, &["nowhere.csv"]),
+    ("this is not TOML\n", 2, &["c.toml:1"]),
+];
+
+#[test]
+fn every_mistake_gets_one_message_that_names_it() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    picture(&at("plain.exr"), 4, 2, [1.0; 3]);
+    picture(&at("nan.exr"), 4, 2, [1.0, f32::NAN, 1.0]);
+    write_exr(&at("white.exr"), &["R", "G", "B"], &Planes::float(4, 2, 3), Compression::None, &About::default())
+        .unwrap();
+    std::fs::write(at("empty.exr"), "").unwrap();
+    std::fs::write(at("text.exr"), "this is no picture at all, only text").unwrap();
+    let whole = std::fs::read(at("plain.exr")).unwrap();
+    std::fs::write(at("cut.exr"), &whole[..whole.len() - 20]).unwrap();
+    for (toml, expected, names) in WRONG {
+        std::fs::write(at("c.toml"), toml).unwrap();
+        let output = sungaze(folder.path(), &["run", "c.toml", "--quiet", "--out", "o", "--overwrite"]);
+        let message = told(&output);
+        assert_eq!(code(&output), *expected, "{toml}: {message}");
+        assert_eq!(message.trim().lines().count(), 1, "one message: {message}");
+        for name in *names {
+            assert!(message.contains(name), "{toml} should name {name}: {message}");
+        }
+        let left: Vec<PathBuf> = std::fs::read_dir(at("o")).into_iter().flatten().map(|e| e.unwrap().path()).collect();
+        assert!(left.iter().all(|p| !p.to_string_lossy().ends_with(".exr")), "{toml} left {left:?}");
+    }
+}
+
+#[test]
+fn the_command_lines_own_mistakes_exit_with_two() {
+    let folder = folder();
+    for arguments in [
+        &["run", "--set", "observer.age"][..],
+        &["run", "--set", "observer.agee=3"],
+        &["run", "--threads", "0"],
+        &["run", "--bogus"],
+        &["fly"],
+        &["run", "--resume", "--overwrite"],
+    ] {
+        let output = sungaze(folder.path(), arguments);
+        assert_eq!(code(&output), 2, "{arguments:?}: {}", told(&output));
+    }
+}
+
+#[test]
+fn a_missing_configuration_is_named() {
+    let folder = folder();
+    let output = sungaze(folder.path(), &["run", "nowhere.toml"]);
+    assert_eq!(code(&output), 2);
+    assert!(told(&output).contains("nowhere.toml"));
+}
+
+#[test]
+fn completions_are_printed_for_every_shell() {
+    let folder = folder();
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let output = sungaze(folder.path(), &["completions", shell]);
+        assert_eq!(code(&output), 0);
+        assert!(String::from_utf8_lossy(&output.stdout).contains("sungaze"));
+    }
+}
