@@ -260,6 +260,7 @@ impl Footage for Sunset {
                 |bands, (y, moments)| {
                     bands.fill(0.0);
                     self.paint_row(y, bands);
+                    projection.remember(y, 0, bands);
                     projection.project(bands, moments);
                 },
             );

@@ -10,12 +10,12 @@ use super::{Eye, Scene, resolved};
 use crate::config::Config;
 use crate::error::{Error, Result};
 use crate::run::watch::Watch;
-use crate::viewer::survey;
 
 /// The plan of a configuration: the same terms that `report.json` of its run has, and what its frames cost.
 pub fn rehearse(config: &Config, watch: &dyn Watch) -> Result<Value> {
     let scene = Scene::open(config)?;
     let mut eye = Eye::new(config, &scene, resolved(&config.settings), None)?;
+    let mut sequence = scene.sequence(Some(Vec::new()));
     let (mut reading, mut last): (Duration, Option<(usize, Arc<Loaded>)>) = (Duration::ZERO, None);
     let mut recycled = None;
     for (i, step) in scene.steps.iter().enumerate() {
@@ -24,10 +24,9 @@ pub fn rehearse(config: &Config, watch: &dyn Watch) -> Result<Value> {
             _ => {
                 let begun = Instant::now();
                 let old = last.take().and_then(|(_, loaded)| Arc::into_inner(loaded)).map(|old| old.frame.planes);
-                let frame = scene.footage.read(step.file, scene.vision.projection(), old)?;
-                let survey = survey(&scene.vision, &frame.planes, scene.pixels_per_degree);
+                let loaded = sequence.load(step.file, old)?;
                 reading += begun.elapsed();
-                Arc::new(Loaded { frame, survey })
+                Arc::new(loaded)
             }
         };
         let adapt = i == 0 && config.settings.observer.start == "adapted";

@@ -6,6 +6,7 @@
 //! retina ([`Viewer::expose`]) and the percept's way back ([`Viewer::perceive`]), each with its own resampling.
 
 mod census;
+mod checked;
 mod field;
 mod fovea;
 mod sight;
