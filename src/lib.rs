@@ -73,6 +73,7 @@ pub mod light;
 #[doc = include_str!("paper.md")]
 pub mod paper {}
 pub mod percept;
+pub mod plan;
 pub mod retina;
 pub mod run;
 pub mod spectrum;
