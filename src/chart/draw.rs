@@ -150,13 +150,18 @@ impl Sheet {
         self.0.add(Primitive::Circle { cx, cy, r, fill, fill_opacity, stroke, stroke_width });
     }
 
+    /// The drawing as SVG.
+    pub fn svg(&self) -> String {
+        SvgBackend::default().render_scene(&self.0)
+    }
+
     /// Write `<name>.svg` and `<name>.png`, the latter with two pixels to the unit.
     pub fn write(&self, out_dir: &Path, name: &str) -> Result<()> {
         let put = |extension: &str, bytes: &[u8]| {
             let path = out_dir.join(format!("{name}.{extension}"));
             std::fs::write(&path, bytes).map_err(Error::io(&path, "write"))
         };
-        put("svg", SvgBackend::default().render_scene(&self.0).as_bytes())?;
+        put("svg", self.svg().as_bytes())?;
         let pixels = RasterBackend::new().with_scale(2.0).render_scene(&self.0);
         put("png", &pixels.map_err(|problem| Error::file(out_dir.join(name), problem))?)
     }

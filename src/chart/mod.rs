@@ -5,7 +5,7 @@
 pub mod axes;
 pub mod draw;
 mod machine;
-mod palette;
+pub(crate) mod palette;
 mod pigment;
 mod scenes;
 mod stability;

@@ -17,8 +17,10 @@
 //! The eye judges admixed white by about the cube root of its amount (CIE 1976 lightness), so that half way looks
 //! half way; mixed as light, half white turns a red sun to a pink that is lost in its sky.
 
-/// Luminance of linear sRGB: ITU-R BT.709 primaries with D65, IEC 61966-2-1.
-const LUMINANCE: [f32; 3] = [0.212_639, 0.715_168_7, 0.072_192_3];
+/// Luminance of linear sRGB light to the 10-degree observer: 0.69283924 L + 0.34967567 M (CIE 170-2:2015) of the
+/// primaries' catches. Cones never catch less than nothing, so a percept always has luminance; by the 1931 weights
+/// (.2126, .7152, .0722) what S cones alone see would have less than none, and would be shown black.
+const LUMINANCE: [f32; 3] = [0.198_658, 0.681_934, 0.119_408];
 
 /// Less than this is no light at all, cd/m2; keeps quotients finite.
 const DARK: f32 = 1e-30;

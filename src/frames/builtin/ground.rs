@@ -1,7 +1,7 @@
 //! What lies under the horizon, painted: a sea that mirrors the sky and the sun in its waves, or dark hills.
 //!
-//! Waves are a sum of sines in `aside/depth` and `ln depth`: a pattern that is self-similar toward the horizon, as
-//! a sea is in perspective. A sine fades as it comes near two pixels, exp(-g^2/4) at g radians a pixel, and
+//! Waves are a sum of sines in `aside/sqrt depth` and `ln depth`: they shorten and narrow toward the horizon, as a sea
+//! does in perspective. A sine fades as it comes near two pixels, exp(-g^2/4) at g radians a pixel, and
 //! brightness is exp(s n - s^2 var/2) of the noise n: so distant waves melt into their own mean, at any width.
 
 use super::light::Mixture;
@@ -16,7 +16,7 @@ const EDGE_DEG: f64 = 0.03;
 #[derive(Clone, Debug)]
 pub(super) struct Waves([Train; TRAINS]);
 
-/// One train: radians to the unit of `aside/depth` and of `ln depth`, phase, amplitude.
+/// One train: radians to the unit of `aside/sqrt depth` and of `ln depth`, phase, amplitude.
 #[derive(Clone, Copy, Debug)]
 struct Train {
     across: f64,
@@ -57,10 +57,10 @@ impl Waves {
     /// The waves `depth` degrees under the horizon, `aside` of the sun, on pixels of `pixel` degrees.
     pub fn at(&self, aside: f64, depth: f64, pixel: f64) -> Swell {
         let far = 1.0 / (depth + EDGE_DEG);
-        let (u, v) = (aside * far, -far.ln());
+        let (u, v) = (aside * far.sqrt(), -far.ln());
         let mut swell = Swell { height: 0.0, variance: 0.0 };
         for train in &self.0 {
-            let slope = [train.across * far, (train.along - train.across * u) * far].map(|g| g * pixel);
+            let slope = [train.across * far.sqrt(), (train.along - 0.5 * train.across * u) * far].map(|g| g * pixel);
             let height = train.height * (-(slope[0] * slope[0] + slope[1] * slope[1]) / 4.0).exp();
             if height > 1e-4 {
                 swell.height += height * (train.across * u + train.along * v + train.phase).sin();
@@ -76,11 +76,15 @@ pub(super) fn sea(waves: &Waves, aside: f64, depth: f64, sun_deg: f64, pixel: f6
     let swell = waves.at(aside, depth, pixel);
     // Waves tilt toward the viewer and mirror a higher sky; steep looks mirror less of it.
     let mirrored = sky(aside.hypot(sun_deg + 0.5 + 0.5 * depth), 1.0 + 2.0 * depth);
-    let shine = (0.22 + 0.5 * (-depth / 0.8).exp()) * swell.glint(0.45);
+    let shine = (0.34 + 0.4 * (-depth / 0.8).exp()) * swell.glint(0.35);
     let spread = 0.16 + 0.2 * depth;
     let path = (-(aside / spread).powi(2)).exp() * (0.3 / (0.3 + depth));
-    let deep = Mixture { air: 14.0, ..Mixture::DARK };
-    mirrored.times(shine).plus(deep).plus(Mixture { sun: 9000.0 * path * swell.glint(1.5), ..Mixture::DARK })
+    let deep = Mixture { air: 30.0, ..Mixture::DARK };
+    mirrored.times(shine).plus(deep).plus(Mixture {
+        sun: 5000.0 * path * swell.glint(1.4),
+        gold: 900.0 * path * swell.glint(1.4),
+        ..Mixture::DARK
+    })
 }
 
 /// Height of the hills' outline over the horizon, degrees.
@@ -106,7 +110,7 @@ mod tests {
     fn waves_melt_into_their_mean_toward_the_horizon() {
         let waves = Waves::new();
         let variance = |depth| waves.at(0.7, depth, 8.0 / 480.0).variance;
-        assert!(variance(0.02) < 0.02 && variance(2.0) > 0.5, "{} {}", variance(0.02), variance(2.0));
+        assert!(variance(0.02) < 0.1 && variance(2.0) > 0.5, "{} {}", variance(0.02), variance(2.0));
         let mean: f64 = (0..40_000).map(|i| waves.at(-4.0 + 2e-4 * f64::from(i), 1.5, 1e-3).glint(0.5)).sum::<f64>();
         assert!((mean / 40_000.0 - 1.0).abs() < 0.1, "{}", mean / 40_000.0);
     }

@@ -10,8 +10,8 @@ pub(super) fn sky(from_sun: f64, above: f64) -> Mixture {
     let low = (-above.max(0.0) / 2.2).exp();
     Mixture {
         ember: 700.0 * (-from_sun / 3.2).exp() * low + 120.0 * low * low,
-        gold: 6000.0 * (-from_sun / 0.42).exp() + 1900.0 * (-from_sun / 1.5).exp() + 150.0 * low,
-        air: 130.0 + 220.0 * (-from_sun / 3.5).exp(),
+        gold: 2600.0 * (-(from_sun / 0.9).powi(2)).exp() + 1500.0 * (-from_sun / 1.8).exp() + 150.0 * low,
+        air: 110.0 + 160.0 * (1.0 - (-from_sun / 1.2).exp()) * (-from_sun / 5.0).exp(),
         ..Mixture::DARK
     }
 }
