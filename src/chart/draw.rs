@@ -165,6 +165,11 @@ impl Sheet {
         self.0.add(Primitive::Circle { cx, cy, r, fill, fill_opacity, stroke, stroke_width });
     }
 
+    /// The drawing as SVG.
+    pub fn svg(&self) -> String {
+        SvgBackend::default().render_scene(&self.0)
+    }
+
     /// Write `<name>.svg` and `<name>.png`, the latter with two pixels to the unit.
     pub fn write(&self, out_dir: &Path, name: &str) -> Result<()> {
         let put = |extension: &str, bytes: &[u8]| {
@@ -173,11 +178,6 @@ impl Sheet {
         };
         put("svg", self.svg().as_bytes())?;
         put("png", &self.png().map_err(|problem| Error::file(out_dir.join(name), problem))?)
-    }
-
-    /// The drawing as SVG.
-    pub fn svg(&self) -> String {
-        SvgBackend::default().render_scene(&self.0)
     }
 
     /// The drawing as PNG, two pixels to the unit.
