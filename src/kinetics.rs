@@ -88,9 +88,10 @@ impl Kinetics {
         Kinetics { law: Law::FirstOrder, half_bleach, tau }
     }
 
-    /// s/tau, the bleaching rate of unscreened pigment, 1/s.
+    /// s/tau, the bleaching rate of unscreened pigment, 1/s. The reciprocal does not depend on the place, so that
+    /// a loop over places divides once.
     fn unscreened(&self, light: Trolands) -> f64 {
-        light.0 / (self.half_bleach.0 * self.tau.0)
+        light.0 * (1.0 / (self.half_bleach.0 * self.tau.0))
     }
 
     /// The two rates at `p` unbleached under `light`.

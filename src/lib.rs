@@ -1,4 +1,63 @@
-//! sungaze
+//! What a person sees while staring at a bright light.
+//!
+//! Frames go in, spectral or RGB, scene-linear, in absolute units. At every place on the retina the photopigment of
+//! the L, M and S cones bleaches and regenerates by an ordinary differential equation, frame after frame. Out comes
+//! the picture that this tired eye perceives. The README shows the program; these pages are about the library.
+//!
+//! # The path of a frame
+//!
+//! ```text
+//! frames::Footage      a file is decoded block by block; spectral blocks are projected at once onto a few moments
+//!   light::Planes      the frame: RGB in the file's own numbers, or the moments of its spectra
+//!   display::Survey    its luminances: the pupil's and the display's view of it
+//!   eye::Pupil         adapting luminance -> diameter
+//!   viewer::Viewer     row by row:
+//!     kernel::illuminance     light x pupil x Stiles-Crawford weight -> trolands in each class of cones
+//!     retina::Advance         trolands move the unbleached fraction p: kinetics (which law) by step (which method)
+//!     kernel::percept         the light seen through what pigment is left; the light itself where none is gone
+//!   display::Display   unbleached light -> tone map (slow); percept -> sRGB
+//!   frames::write_exr, write_png
+//! ```
+//!
+//! # Where things live
+//!
+//! Each room uses only those above it.
+//!
+//! | room | holds | to add |
+//! |---|---|---|
+//! | [`units`], [`error`], [`spectrum`], [`colour`], [`light`] | one-field unit types, the one error enum, wavelengths and tables, 3x3 matrices, planes of a frame | a published table: a CSV in `data/` and a line in [`spectrum`] |
+//! | [`eye`] | the observer: fundamentals, pupil, Stiles-Crawford effect | a pupil formula: a variant of [`eye::Rule`] |
+//! | [`constants`] | published constants by name | a row |
+//! | [`kinetics`] | the laws, as two rates | a variant of [`kinetics::Law`] |
+//! | [`step`] | the methods, as pure functions with a row of theory each | one function and one row of [`step::METHODS`]; the tests and charts go over the table |
+//! | [`percept`] | moments, cone illuminance and catches: the scalar truth | |
+//! | [`kernel`] | the row loops; the only room where speed is written, and `unsafe` allowed | |
+//! | [`retina`], [`viewer`] | pigment at every place; a look, with a still or a moving gaze | |
+//! | [`display`] | tone reproduction, gamut, encoding | |
+//! | [`frames`] | files in and out, the built-in scene | a file format: a reader that implements [`frames::Footage`] |
+//! | [`config`] | TOML -> everything above | a key: a field in `config/settings.rs`, a range in `check.rs` |
+//! | [`run`] | the loop: reader, eye, writer; checkpoints, report | |
+//! | [`chart`] | the charts that the program makes of itself | a file and a row of [`chart::CHARTS`] |
+//!
+//! # Invariants
+//!
+//! Kept by tests, and worth keeping in mind when changing anything:
+//!
+//! * An unbleached retina returns its input exactly, bit for bit, at any gaze.
+//! * p stays within 0..1; with the exact step it does so without a clamp.
+//! * The state is never resampled: light is brought to the retina and p is read at the picture's points.
+//! * Nothing depends on the number of threads, bit for bit.
+//! * Memory does not grow with the number of frames. Files appear whole or not at all.
+//! * Below [`retina`] nothing loops over pixels but [`kernel`]; below [`frames`] nothing touches a file.
+//! * `exr` and `image` are named in [`frames`] only, `toml` in [`config`] only, `clap` in the program only.
+//! * The library never prints, never exits, and never unwraps what a user gave.
+//!
+//! # What is decided where the sources are silent
+//!
+//! *One luminance everywhere*: V is the Y row of the observer's own LMS -> XYZ, 10.9 % above CIE 1931 for
+//! equal-energy light. *One cone troland*: an equal-energy light of 1 td gives 1 in every class
+//! ([`eye::Observer::cone_troland`]); multiplying a luminance by a fundamental, as the paper of 2005 writes it, would
+//! count V twice. The effect of the pupil's margin (Stiles-Crawford) enters the trolands only, never the percept.
 
 pub mod chart;
 pub mod colour;

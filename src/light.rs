@@ -77,6 +77,9 @@ impl Row<'_> {
     }
 }
 
+/// The least float that rounds to an infinite half.
+const HALF_OVERFLOWS: f32 = 65520.0;
+
 /// A sample of a picture that can be written.
 pub trait Sample: Copy + Send + Sync {
     /// Stores a row of floats, limited to what the type can hold; returns how many were limited.
@@ -93,6 +96,10 @@ impl Sample for f32 {
 impl Sample for f16 {
     fn store(from: &[f32], to: &mut [f16]) -> u64 {
         to.convert_from_f32_slice(from);
+        // Rounds to infinity from here on; one comparison without a branch for the many that do not.
+        if !from.iter().fold(false, |any, v| any | (v.abs() >= HALF_OVERFLOWS)) {
+            return 0;
+        }
         let mut limited = 0;
         for (half, &value) in to.iter_mut().zip(from) {
             if half.is_infinite() {

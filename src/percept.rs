@@ -27,6 +27,8 @@ enum Reception {
     Rgb(Vec<[f64; 3]>),
     /// The planes are the moments; `Projection` made them of bands.
     Bands(Projection),
+    /// The planes are the bands themselves; the projection is made where it is needed.
+    Held(Projection),
 }
 
 /// One observer and one kind of light.
@@ -87,10 +89,35 @@ impl Vision {
         }
     }
 
+    /// Sight of spectral light whose frames hold the bands themselves: for footage that is in memory already, and
+    /// for whoever wants to keep it.
+    pub fn of_held_bands(observer: Observer, bands: &Bands) -> Self {
+        let mut vision = Vision::of_bands(observer, bands);
+        if let Reception::Bands(projection) = vision.reception {
+            let row = |plane: usize| {
+                let weights = vision.luminance.iter().enumerate();
+                weights.map(|(i, w)| w * f64::from(projection.weights[i * projection.bands + plane])).sum()
+            };
+            vision.luminance = (0..projection.bands).map(row).collect();
+            vision.reception = Reception::Held(projection);
+        }
+        vision
+    }
+
+    /// Whether the percept of an unbleached eye is the frame itself: so for RGB.
+    pub fn returns_its_light(&self) -> bool {
+        matches!(self.reception, Reception::Rgb(_))
+    }
+
+    /// Whether frames hold bands, of which the moments are still to be made.
+    pub fn holds_bands(&self) -> bool {
+        matches!(self.reception, Reception::Held(_))
+    }
+
     /// What spectral frames are projected onto while they are decoded; `None` for RGB.
     pub fn projection(&self) -> Option<&Projection> {
         match &self.reception {
-            Reception::Rgb(_) => None,
+            Reception::Rgb(_) | Reception::Held(_) => None,
             Reception::Bands(projection) => Some(projection),
         }
     }
@@ -105,6 +132,7 @@ impl Vision {
         match &self.reception {
             Reception::Rgb(rows) => rows[row].to_vec(),
             Reception::Bands(p) => (0..p.rows).map(|i| if i == row { 1.0 } else { 0.0 }).collect(),
+            Reception::Held(p) => p.weights[row * p.bands..][..p.bands].iter().map(|&w| w.into()).collect(),
         }
     }
 
@@ -116,6 +144,11 @@ impl Vision {
                 rows.iter().map(|w| w[0] * rgb[0] + w[1] * rgb[1] + w[2] * rgb[2]).collect()
             }
             Reception::Bands(_) => (0..planes.count).map(|i| planes.at(x, y, i)).collect(),
+            Reception::Held(p) => {
+                let light: Vec<f64> = (0..p.bands).map(|i| planes.at(x, y, i)).collect();
+                let inner = |row: &[f32]| row.iter().zip(&light).map(|(&w, v)| f64::from(w) * v).sum();
+                p.weights.chunks_exact(p.bands).map(inner).collect()
+            }
         }
     }
 

@@ -49,17 +49,22 @@ impl Advance<'_> {
     pub fn row(&self, light: &[f32], p: &mut [f64]) {
         let width = p.len() / 3;
         for (cone, (p, light)) in p.chunks_exact_mut(width).zip(light.chunks_exact(width)).enumerate() {
-            let pigment = &self.pigments[cone];
-            match self.model {
-                Model::Unbleached => {}
-                Model::Steady if pigment.law == Law::FirstOrder => {
-                    kernel::steady(FirstOrderForm::new(pigment, self.duration), light, p);
-                }
-                Model::Tracked { method, .. } if pigment.law == Law::FirstOrder && method.name == "exact" => {
-                    kernel::relax(FirstOrderForm::new(pigment, self.duration), light, p);
-                }
-                _ => p.iter_mut().zip(light).for_each(|(p, &td)| *p = self.place(pigment, *p, f64::from(td))),
+            self.cone(cone, light, p);
+        }
+    }
+
+    /// Moves a run of one cone class's pigment by a run of its light, td.
+    pub fn cone(&self, cone: usize, light: &[f32], p: &mut [f64]) {
+        let pigment = &self.pigments[cone];
+        match self.model {
+            Model::Unbleached => {}
+            Model::Steady if pigment.law == Law::FirstOrder => {
+                kernel::steady(FirstOrderForm::new(pigment, self.duration), light, p);
             }
+            Model::Tracked { method, .. } if pigment.law == Law::FirstOrder && method.name == "exact" => {
+                kernel::relax(FirstOrderForm::new(pigment, self.duration), light, p);
+            }
+            _ => p.iter_mut().zip(light).for_each(|(p, &td)| *p = self.place(pigment, *p, f64::from(td))),
         }
     }
 
@@ -172,14 +177,6 @@ impl Retina {
     pub fn advance_beyond(&mut self, advance: &Advance<'_>, surround: [f64; 3]) {
         let light = surround.map(|td| td as f32);
         advance.row(&light, &mut self.beyond);
-    }
-
-    /// Least fraction of each pigment, and how many places have lost more than half of the S pigment.
-    pub fn extremes(row: &[f64]) -> ([f64; 3], u64) {
-        let width = row.len() / 3;
-        let least = [0, 1, 2].map(|k| row[k * width..][..width].iter().copied().fold(f64::INFINITY, f64::min));
-        let past_half = if least[2] < 0.5 { row[2 * width..].iter().filter(|&&p| p < 0.5).count() as u64 } else { 0 };
-        (least, past_half)
     }
 }
 

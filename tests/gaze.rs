@@ -40,7 +40,7 @@ fn picture(f: impl Fn(usize, usize, usize) -> f32) -> Planes {
 
 fn look(viewer: &mut Viewer, planes: &Planes, gaze: [f64; 2]) -> Planes {
     let survey = viewer::survey(&viewer.vision, planes, viewer.pixels_per_degree);
-    viewer.look(planes, &survey, gaze, Seconds(0.5)).seen
+    viewer.look(planes, &survey, gaze, Seconds(0.5), None).seen
 }
 
 fn some_picture() -> Planes {

@@ -122,6 +122,17 @@ fn no_method_makes_nonsense_while_it_claims_to_be_stable() {
 }
 
 #[test]
+fn a_step_past_its_limit_is_reported_with_both_numbers() {
+    let (frame, euler) = (Seconds(1.0 / 24.0), Method::named("forward-euler").expect("a row of the table"));
+    let limit = Trolands(HALF_BLEACH * (24.0 * TAU - 1.0));
+    assert_eq!(euler.past_limit(&eye(), Trolands(0.999 * limit.0), frame, 1), None);
+    let past = euler.past_limit(&eye(), Trolands(1e10), frame, 1).expect("the sun is past it");
+    assert_eq!(past.to_string(), "h lambda = 173.6115 is past the limit 1.0000");
+    assert_eq!(euler.past_limit(&eye(), Trolands(1e10), frame, 200), None);
+    assert_eq!(Method::named("exact").and_then(|exact| exact.past_limit(&eye(), Trolands(1e12), frame, 1)), None);
+}
+
+#[test]
 fn names_are_unique_and_every_row_cites_its_source() {
     for method in METHODS {
         assert_eq!(METHODS.iter().filter(|other| other.name == method.name).count(), 1, "{}", method.name);

@@ -54,7 +54,7 @@ fn xyz_of_the_white_point_is_white() {
     let path = saved(&folder, "a.hdr", &radiance("FORMAT=32-bit_rle_xyze\n", "-Y 1 +X 1", &[white]));
     let planes = read(&path).planes;
     let rgb = [0, 1, 2].map(|i| planes.at(0, 0, i));
-    assert!(rgb.iter().all(|value| (value - 1.0).abs() < 0.01), "{rgb:?}");
+    assert!(rgb.iter().all(|value| (value - 1.0).abs() < 0.02), "{rgb:?}");
 }
 
 #[test]

@@ -155,6 +155,6 @@ fn legend(sheet: &mut Sheet, top: f64) {
     sheet.mark((565.0, below + 11.0), Marker::Disc, 6.5, BLACK);
     sheet.mark((565.0, below + 11.0), Marker::Disc, 4.5, WHITE);
     sheet.text((580.0, below + 16.0), "limit measured on the code", 16, Anchor::Start, BLACK);
-    let words = "One frame of the sun, 10¹⁰ td at 24 frames a second, is h λ = 174: far past the limit of every explicit method.";
+    let words = "One frame of the sun, 10¹⁰ td, is h λ = 174: far past the limit of every explicit method.";
     sheet.text((60.0, below + 52.0), words, 16, Anchor::Start, BLUE);
 }

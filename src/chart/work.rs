@@ -1,7 +1,7 @@
 //! What a method costs on a scene, how far it errs, and how it fails.
 
 use super::Progress;
-use super::machine::nanoseconds;
+use super::machine::{RUNS, median, nanoseconds};
 use super::scenes::{Scene, scenes};
 use crate::kinetics::{Kinetics, Law};
 use crate::step::{Drive, METHODS, Method, dormand_prince};
@@ -80,19 +80,28 @@ pub(super) fn laws() -> [Kinetics; 3] {
 
 /// Every scene, law, method and amount of work.
 pub(super) fn measure(progress: Progress) -> Vec<Point> {
-    let mut points = Vec::new();
-    for scene in scenes() {
-        progress(&format!("work-precision: {}", scene.name));
+    let scenes = scenes();
+    let mut points: Vec<(&Scene, Kinetics, Point, Vec<f64>)> = Vec::new();
+    for scene in &scenes {
+        progress(&format!("work-precision: errors, {}", scene.name));
         for kinetics in laws() {
-            let truth = truth(&kinetics, &scene);
+            let truth = truth(&kinetics, scene);
             for method in METHODS {
-                for work in amounts(&kinetics, &scene, method) {
-                    points.push(point(&kinetics, &scene, method, work, &truth));
-                }
+                let each = amounts(&kinetics, scene, method).into_iter();
+                points.extend(each.map(|work| {
+                    (scene, kinetics, point(&kinetics, scene, method, work, &truth), Vec::with_capacity(RUNS))
+                }));
             }
         }
     }
-    points
+    for run in 1..=RUNS {
+        progress(&format!("work-precision: timing, run {run} of {RUNS}"));
+        for (scene, kinetics, point, runs) in &mut points {
+            runs.push(cost(kinetics, scene, point.method, point.work));
+        }
+    }
+    let timed = points.into_iter().map(|(_, _, point, runs)| Point { ns_per_update: median(runs), ..point });
+    timed.collect()
 }
 
 /// The amounts of work worth showing: a method that is exact on a scene is one point.
@@ -108,6 +117,7 @@ fn amounts(kinetics: &Kinetics, scene: &Scene, method: &Method) -> Vec<Work> {
     }
 }
 
+/// The point without its time.
 fn point(kinetics: &Kinetics, scene: &Scene, method: &'static Method, work: Work, truth: &[f64]) -> Point {
     let path = path(scene, |p, drive, dt| frame(method, work, kinetics, p, drive, dt));
     let worst = |error: &dyn Fn(f64, f64) -> f64| {
@@ -121,7 +131,7 @@ fn point(kinetics: &Kinetics, scene: &Scene, method: &'static Method, work: Work
         work,
         max_abs_error: worst(&|p, true_p| (p - true_p).abs()),
         max_rel_error: worst(&|p, true_p| (p / true_p - 1.0).abs()),
-        ns_per_update: cost(kinetics, scene, method, work),
+        ns_per_update: f64::NAN,
         failure: failure(scene.start, &path, truth),
     }
 }
@@ -200,21 +210,25 @@ fn swings(path: &[f64], truth: &[f64]) -> bool {
     })
 }
 
-/// Places advanced side by side, so that a processor can overlap them as it does over a picture.
-const PLACES: usize = 16;
+/// Places advanced side by side, so that a processor can overlap them as it does over a picture; fewer where each
+/// takes long, so that a run ends before the system takes the processor away.
+const PLACES: [usize; 2] = [16, 4];
 
 /// Nanoseconds for one frame of one place, as a run calls a method: once per place and sub-step.
 fn cost(kinetics: &Kinetics, scene: &Scene, method: &Method, work: Work) -> f64 {
     let stride = scene.frames.len().div_ceil(64);
     let frames: Vec<(Drive, Seconds)> = scene.frames.iter().copied().step_by(stride).collect();
+    let places = PLACES[usize::from(!matches!(work, Work::Substeps(1 | 2)))];
+    let mut state = [scene.start; PLACES[0]];
     let elapsed = nanoseconds(|| {
-        let mut places = black_box([scene.start; PLACES]);
+        let row = &mut black_box(&mut state)[..places];
+        row.fill(scene.start);
         for &(drive, dt) in &frames {
-            for p in &mut places {
+            for p in row.iter_mut() {
                 *p = frame(method, work, kinetics, *p, drive, dt);
             }
         }
-        black_box(places);
+        black_box(row);
     });
-    elapsed / (PLACES * frames.len()) as f64
+    elapsed / (places * frames.len()) as f64
 }

@@ -19,7 +19,7 @@ pub fn command(names: &[String], common: &Common) -> Result<ExitCode> {
     for chart in charts {
         let mut progress = |line: &str| {
             if !common.quiet {
-                eprintln!("{}: {line}", chart.name);
+                eprintln!("{line}");
             }
         };
         (chart.write)(&folder, &mut progress)?;

@@ -2,6 +2,7 @@
 
 mod chart;
 mod completions;
+mod inspect;
 mod run;
 mod table;
 mod validate;
@@ -137,11 +138,8 @@ fn dispatch(command: Command) -> Result<ExitCode> {
     match command {
         Command::Run { config, common } => run::command(config.as_deref(), &common),
         Command::Chart { names, common } => chart::command(&names, &common),
+        Command::Inspect { files, common } => inspect::command(&files, &common),
         Command::Validate { common } => validate::command(&common),
-        Command::Inspect { files, common } => {
-            let _ = (files, common);
-            Ok(ExitCode::SUCCESS)
-        }
         Command::Completions { shell } => {
             completions::command(shell, &mut Cli::command());
             Ok(ExitCode::SUCCESS)

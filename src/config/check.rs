@@ -1,7 +1,7 @@
 //! Values that have the right type and are wrong all the same.
 
 use super::Wrong;
-use super::settings::{Aim, PupilKey, Settings, Steep};
+use super::settings::{Aim, DisplayFile, PupilKey, Settings, Steep};
 
 type Check = Result<(), Wrong>;
 
@@ -28,6 +28,19 @@ pub(super) fn check(s: &Settings) -> Check {
         );
     }
     within("output.checkpoint_s", s.output.checkpoint_s, 0.0, 1e9)?;
+    if s.output.video != "none" && s.output.display == DisplayFile::None {
+        return Err((
+            "output.video".into(),
+            "is made of the display pictures: it needs output.display = \"png\"".into(),
+        ));
+    }
+    if s.output.video.contains('/') || s.output.video.starts_with('-') || s.output.video.is_empty() {
+        return wrong(
+            "output.video",
+            &s.output.video,
+            "none, or the name of a file in the run's folder, such as film.mp4",
+        );
+    }
     probes(s)
 }
 

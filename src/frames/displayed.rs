@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
 
 use crate::error::{Error, Result};
-use crate::frames::footage::{Picture, believable, examined};
+use crate::frames::footage::{DENSEST, Picture, believable, examined};
 use crate::frames::{Header, Kind, ReadOptions, Wanted};
 use crate::light::{Frame, Planes, Primaries, Projection};
 
@@ -25,10 +25,13 @@ impl DisplayedPicture {
         if options.wanted == Wanted::Spectral {
             return Err(Error::file(path, "is an RGB picture; `kind` asks for spectral light"));
         }
-        let (width, height) = decoder(path)?.dimensions();
-        let (width, height) = (width as usize, height as usize);
-        believable(path, width, height, 3, options.max_pixels)?;
-        let notes = vec![WARNING.into()];
+        let decoder = decoder(path)?;
+        let (width, height) = (decoder.dimensions().0 as usize, decoder.dimensions().1 as usize);
+        believable(path, (width, height), 3, DENSEST, options.max_pixels)?;
+        let mut notes = vec![WARNING.to_owned()];
+        if decoder.color_type().has_alpha() {
+            notes.push("passed over its alpha".into());
+        }
         let kind = Kind::Rgb(Primaries::REC709);
         let header = Header { width, height, kind, white: None, frames_per_second: None, notes };
         Ok(DisplayedPicture { path: path.to_owned(), header, options: options.clone() })
@@ -63,7 +66,8 @@ impl Picture for DisplayedPicture {
         if decoder.dimensions() != (width as u32, height as u32) {
             return Err(Error::file(&self.path, "changed while it was read"));
         }
-        let deep = decoder.color_type().bytes_per_pixel() > 4;
+        let color = decoder.color_type();
+        let deep = color.bytes_per_pixel() > color.channel_count();
         let top = if deep { u16::MAX } else { u8::MAX.into() };
         let image = DynamicImage::from_decoder(decoder).map_err(|error| unreadable(&self.path, error))?;
         let samples: Vec<u16> = if deep {

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::frames::census::{Census, Mending, verdict};
 use crate::frames::envi_header::{EnviHeader, Interleave, Stored, parse};
 use crate::frames::exr_picture::canvas;
-use crate::frames::footage::{Picture, believable};
+use crate::frames::footage::{DENSEST, Picture, believable};
 use crate::frames::{Header, Kind, Quantity, ReadOptions, Wanted};
 use crate::light::{Frame, Planes, Projection, Samples};
 use crate::spectrum::Bands;
@@ -46,7 +46,7 @@ impl EnviPicture {
         let (bands, order) = bands(&envi).map_err(fail)?;
         let scale = scales(&envi, &bands, &order, options);
         let pixel_bytes = envi.stored.bytes() * order.len();
-        believable(&data, envi.samples, envi.lines, pixel_bytes, options.max_pixels)?;
+        believable(&data, (envi.samples, envi.lines), pixel_bytes, DENSEST, options.max_pixels)?;
         let length = std::fs::metadata(&data).map_err(Error::io(&data, "read"))?.len();
         let needed = (envi.samples as u64 * envi.lines as u64)
             .checked_mul(pixel_bytes as u64)

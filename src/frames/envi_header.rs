@@ -202,7 +202,7 @@ mod tests {
             ("bands = 2\n", "", "has no `bands`"),
             ("0.7", "0,7x", "`7x`"),
             ("ENVI", "ENVY", "not an ENVI header"),
-            ("0.5 }", "0.5", "no closing brace"),
+            (".01}", ".01", "no closing brace"),
         ] {
             let problem = parse(&SMALL.replacen(from, to, 1)).unwrap_err();
             assert!(problem.contains(expected), "{problem}");

@@ -6,7 +6,6 @@ use std::ops::Range;
 use std::path::Path;
 
 use exr::compression::Compression;
-use exr::meta::BlockDescription;
 use exr::meta::attribute::IntegerBounds;
 use exr::meta::header::Header;
 
@@ -57,17 +56,7 @@ impl<'a> Chunks<'a> {
         }
         let here = self.reader.stream_position().map_err(Error::io(path, "read"))?;
         self.reader.seek_relative(offset as i64 - here as i64).map_err(Error::io(path, "read"))?;
-        let mut expected = Vec::with_capacity(5);
-        if part.file.meta.requirements.is_multilayer() {
-            expected.push(part.index as i32);
-        }
-        match part.header.blocks {
-            BlockDescription::ScanLines => {
-                expected.push((unit * part.lines_per_unit()) as i32 + part.header.own_attributes.layer_position.y());
-            }
-            BlockDescription::Tiles(_) => expected.extend([i as i32, unit as i32, 0, 0]),
-        }
-        for expected in expected {
+        for expected in part.marks(unit, i) {
             if self.number()? != expected {
                 return Err(Error::file(path, format!("is damaged: block {unit} is not where its table says")));
             }

@@ -10,6 +10,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use exr::block::chunk::TileCoordinates;
+use exr::compression::Compression;
 use exr::math::Vec2;
 use exr::meta::attribute::IntegerBounds;
 use exr::meta::header::Header;
@@ -19,7 +20,10 @@ use rayon::iter::{ParallelBridge, ParallelIterator};
 use crate::error::{Error, Result};
 use crate::frames::exr_chunks::{Chunks, decompressed, guarded};
 use crate::frames::exr_rows::{Place, Rows};
-use crate::frames::footage::believable;
+use crate::frames::footage::{DENSEST, believable};
+
+/// [`DENSEST`] for DWA, which packs 22 000 bytes of such a frame into one.
+const DENSEST_DWA: u64 = 65_536;
 
 /// A file whose headers were read.
 pub(super) struct ExrFile {
@@ -54,9 +58,11 @@ impl ExrFile {
         let header = &self.meta.headers[index];
         let display = header.shared_attributes.display_window;
         let (width, height) = (display.size.width(), display.size.height());
+        let dwa = matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_));
+        let densest = if dwa { DENSEST_DWA } else { DENSEST };
         for size in [display.size, header.layer_size] {
             let pixel_bytes = header.channels.bytes_per_pixel;
-            believable(&self.path, size.width(), size.height(), pixel_bytes, max_pixels)?;
+            believable(&self.path, (size.width(), size.height()), pixel_bytes, densest, max_pixels)?;
         }
         if header.channels.list.iter().any(|channel| channel.sampling != Vec2(1, 1)) {
             return Err(Error::file(
@@ -160,6 +166,21 @@ impl Part<'_> {
             BlockDescription::ScanLines => 1,
             BlockDescription::Tiles(tiles) => self.header.layer_size.width().div_ceil(tiles.tile_size.width()),
         }
+    }
+
+    /// The numbers that chunk `i` of a unit begins with in the file: part, then first line or tile and level.
+    pub fn marks(&self, unit: usize, i: usize) -> Vec<i32> {
+        let mut marks = Vec::with_capacity(5);
+        if self.file.meta.requirements.is_multilayer() {
+            marks.push(self.index as i32);
+        }
+        match self.header.blocks {
+            BlockDescription::ScanLines => {
+                marks.push((unit * self.lines_per_unit()) as i32 + self.header.own_attributes.layer_position.y());
+            }
+            BlockDescription::Tiles(_) => marks.extend([i as i32, unit as i32, 0, 0]),
+        }
+        marks
     }
 
     fn offset(&self) -> (i64, i64) {

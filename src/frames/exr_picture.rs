@@ -33,6 +33,10 @@ impl ExrPicture {
         let (width, height) = file.part(part, options.max_pixels).map(|part| (part.width, part.height))?;
         let attributes = &file.meta.headers[part].own_attributes;
         let mut notes = choice.notes.clone();
+        if file.meta.headers.len() > 1 {
+            let name = attributes.layer_name.as_ref().map(|name| format!(", `{name}`")).unwrap_or_default();
+            notes.push(format!("part {} of {}{name}", part + 1, file.meta.headers.len()));
+        }
         let aspect = file.meta.headers[part].shared_attributes.pixel_aspect;
         if aspect != 1.0 {
             notes.push(format!("its pixels are not square (pixelAspectRatio {aspect}); read as square"));
@@ -72,18 +76,19 @@ impl ExrPicture {
             .map_err(|problem| Error::file(&self.file.path, problem))
     }
 
-    /// Three planes in the file's own numbers.
-    fn rgb<T: Stored>(&self, recycled: Option<Planes>) -> Result<Frame> {
+    /// The planes in the file's own numbers.
+    fn as_stored<T: Stored>(&self, recycled: Option<Planes>) -> Result<Frame> {
         let part = self.part()?;
         let (width, places) = (part.width, self.places(&part));
-        let mut samples: Vec<T> = canvas(recycled, width * part.height * 3, part.covers_display());
+        let count = places.len();
+        let mut samples: Vec<T> = canvas(recycled, width * part.height * count, part.covers_display());
         let mending = Mending::first(&self.options);
-        let counts = part.decode(&mut samples, width * 3, |rows, out, _| {
+        let counts = part.decode(&mut samples, width * count, |rows, out, _| {
             let mut census = Census::default();
             let columns = rows.columns();
             for (i, y) in rows.rows() {
                 for (plane, &place) in places.iter().enumerate() {
-                    let out = &mut out[(i * 3 + plane) * width..][columns.clone()];
+                    let out = &mut out[(i * count + plane) * width..][columns.clone()];
                     rows.fetch(i, place, out);
                     census.admit(out, plane, (columns.start, y), mending);
                 }
@@ -94,7 +99,7 @@ impl ExrPicture {
         if self.verdict(&census)? {
             samples.par_chunks_mut(width).for_each(|row| mending.second(&census).mend(row));
         }
-        let planes = Planes { width, height: part.height, count: 3, samples: T::into_samples(samples) };
+        let planes = Planes { width, height: part.height, count, samples: T::into_samples(samples) };
         Ok(Frame { planes, tally: census.tally })
     }
 
@@ -151,12 +156,36 @@ impl Picture for ExrPicture {
         let part = self.part()?;
         let half = self.places(&part).iter().all(|place| place.kind == SampleType::F16);
         match (&self.choice.kind, projection) {
-            (Kind::Rgb(_), _) if half => self.rgb::<f16>(recycled),
-            (Kind::Rgb(_), _) => self.rgb::<f32>(recycled),
+            (Kind::Rgb(_), _) if half => self.as_stored::<f16>(recycled),
+            (Kind::Rgb(_), _) => self.as_stored::<f32>(recycled),
             (Kind::Spectral(_), Some(projection)) => self.spectral(projection, recycled),
             (Kind::Spectral(bands), None) => self.spectral(&Projection::identity(bands.len()), recycled),
         }
     }
+}
+
+/// Reads channels by their names, as float planes in that order, and the text of the attribute `sungaze`: what
+/// [`write_exr`](crate::frames::write_exr) wrote.
+pub fn read_exr(path: &Path, names: &[&str], max_pixels: u64) -> Result<(Planes, Option<String>)> {
+    let file = ExrFile::open(path)?;
+    let header = &file.meta.headers[0];
+    let list = &header.channels.list;
+    let channel = |name: &&str| {
+        let found = list.iter().position(|channel| channel.name == **name);
+        found.ok_or_else(|| Error::file(path, format!("has no channel `{name}`")))
+    };
+    let channels = names.iter().map(channel).collect::<Result<_>>()?;
+    let json = header.own_attributes.other.iter().find_map(|(name, value)| match value {
+        AttributeValue::Text(text) if *name == *"sungaze" => Some(text.to_string()),
+        _ => None,
+    });
+    let kind = Kind::Rgb(Primaries::REC709);
+    let (width, height) = file.part(0, max_pixels).map(|part| (part.width, part.height))?;
+    let header = Header { width, height, kind: kind.clone(), white: None, frames_per_second: None, notes: Vec::new() };
+    let choice = Choice { kind, channels, scale: Vec::new(), notes: Vec::new() };
+    let options = ReadOptions { max_pixels, ..ReadOptions::default() };
+    let picture = ExrPicture { file, part: 0, choice, header, options };
+    Ok((picture.as_stored::<f32>(None)?.planes, json))
 }
 
 /// Planes to decode into: recycled ones where they fit, dark where nothing will be written.

@@ -1,5 +1,11 @@
-//! Files in and out. The only room that names `exr` and `image`, and the only one below the program that touches
-//! the disk.
+//! Files in and out. The only room that names `exr`, `image` and `png`, and the only one below the program that
+//! touches the disk.
+//!
+//! * Which files: `sequence`, with `pattern` and `range`.
+//! * Footage from files, any format: `footage`; one format each: `exr_*`, `radiance`, `displayed`, `envi*`.
+//! * What channels mean: `names`, `channels`. What is wrong with samples: `census`.
+//! * Files out: `written` with `zip`; whole or not at all: [`atomic`].
+//! * What a file holds, for people: `inspect*`, `exr_description`.
 
 pub mod atomic;
 pub mod builtin;
@@ -9,10 +15,13 @@ mod displayed;
 mod envi;
 mod envi_header;
 mod exr_chunks;
+mod exr_description;
 mod exr_file;
 mod exr_picture;
 mod exr_rows;
 mod footage;
+mod inspect;
+mod inspect_text;
 mod names;
 mod pattern;
 mod radiance;
@@ -22,7 +31,10 @@ mod state;
 mod written;
 mod zip;
 
+pub use exr_description::{Channel, ExrDescription};
+pub use exr_picture::read_exr;
 pub use footage::open;
+pub use inspect::{Inspection, LuminanceWeights, inspect};
 pub use sequence::{Missing, Sequence};
 pub use state::{read_state, write_state};
 pub use written::{About, Compression, write_exr, write_png};

@@ -118,6 +118,23 @@ pub(super) fn number_in(name: &str, before: &str, after: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 10_000, failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn no_channel_name_panics_or_gives_a_wavelength_that_is_none(
+            name in "(S[0-4]|T|)\\.?[0-9,.eE+-]{0,12}(Y|da|d|m|n|u|)(m|Hz|nm|)|\\PC{0,12}",
+        ) {
+            match meaning(&name) {
+                Meaning::Radiance(nm) => prop_assert!(nm.is_finite() && nm > 0.0),
+                Meaning::Between(band) => prop_assert!(0.0 < band.low && band.low < band.high),
+                _ => {}
+            }
+            let _ = number_in(&name, "S", "nm");
+        }
+    }
 
     #[test]
     fn every_spelling_of_a_wavelength_is_the_same_wavelength() {

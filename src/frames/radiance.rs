@@ -12,7 +12,7 @@ use image::ImageDecoder;
 use image::codecs::hdr::HdrDecoder;
 
 use crate::error::{Error, Result};
-use crate::frames::footage::{Picture, believable, examined};
+use crate::frames::footage::{DENSEST, Picture, believable, examined};
 use crate::frames::{Header, Kind, ReadOptions, Wanted};
 use crate::light::{Frame, Planes, Primaries, Projection};
 
@@ -21,7 +21,7 @@ const LONGEST_HEADER: u64 = 1 << 20;
 
 /// XYZ to linear RGB of Rec. 709, D65 (IEC 61966-2-1, inverse of the RGB to XYZ matrix).
 const XYZ_TO_REC709: [[f32; 3]; 3] = [
-    [3.240_969_9, -1.537_383_2, -0.498_610_8],
+    [3.240_97, -1.537_383_2, -0.498_610_8],
     [-0.969_243_6, 1.875_967_5, 0.041_555_1],
     [0.055_630_1, -0.203_977, 1.056_971_5],
 ];
@@ -52,7 +52,7 @@ impl RadiancePicture {
             return Err(Error::file(path, "is a Radiance picture, RGB; `kind` asks for spectral light"));
         }
         let (lines, _) = opened(path)?;
-        believable(path, lines.width, lines.height, 12, options.max_pixels)?;
+        believable(path, (lines.width, lines.height), 12, DENSEST, options.max_pixels)?;
         let mut notes = Vec::new();
         if lines.is_xyz {
             notes.push("XYZ, read as linear RGB of Rec. 709".into());

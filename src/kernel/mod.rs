@@ -1,31 +1,97 @@
-//! The inner loops over one row: light -> cone illuminance, illuminance -> pigment, light and pigment -> percept.
+//! The inner loops over a run of places: light -> cone illuminance, illuminance -> pigment, light and pigment ->
+//! percept. Nowhere else is speed written.
 //!
-//! A row is the unit of work: no allocation and no dispatch inside. Rows of three planes hold L, M, S (or R, G, B)
-//! one after the other.
+//! A *tile*, up to [`TILE`] places of one row, goes the whole way before the next one begins, so that everything
+//! between the light and the percept stays in the first cache. Each loop does one small thing to whole runs: those
+//! are the loops that compilers vectorise, here for whatever the processor has, found when the program runs.
+//! Products and sums are never contracted, so the bits are the same on every processor; each place is computed alike
+//! wherever its tile begins, so they are the same however a row is cut.
 
+mod bands;
+mod decay;
+mod extremes;
 mod percept;
 mod pigment;
+mod sums;
 
+pub use bands::BandSums;
+pub use decay::{ERROR, LONGEST, decay, mean_decay_short};
+pub use extremes::{greatest, least};
 pub use percept::{PerceptForm, percept};
 pub use pigment::{FirstOrderForm, relax, steady};
+pub use sums::{combine, illuminance, weaken};
 
-/// Cone illuminance of a row, td: a linear form of the planes for each cone, never negative.
-///
-/// `weights[cone]` holds one weight a plane, `planes` the planes one after the other, `out` three rows.
-pub fn illuminance(planes: &[f32], weights: &[Vec<f32>; 3], out: &mut [f32]) {
-    let width = out.len() / 3;
-    for (weights, sums) in weights.iter().zip(out.chunks_exact_mut(width)) {
-        combine(planes, weights, sums);
-        sums.iter_mut().for_each(|v| *v = v.max(0.0));
+use crate::light::Row;
+
+/// Most places of a tile: the planes of RGB light, trolands, pigment and percept of so many take 15 KiB.
+pub const TILE: usize = 256;
+
+/// Room for the light of one tile, where it has to be converted or projected.
+pub type Room = [f32; ROOM];
+
+/// Samples of a [`Room`].
+pub const ROOM: usize = 16 * TILE;
+
+/// A run of places in a row of planes.
+#[derive(Clone, Copy, Debug)]
+pub struct Strip<'a> {
+    samples: &'a [f32],
+    stride: usize,
+    from: usize,
+    width: usize,
+}
+
+impl<'a> Strip<'a> {
+    /// Planes of `width` samples one after the other.
+    pub fn whole(samples: &'a [f32], width: usize) -> Self {
+        Strip { samples, stride: width, from: 0, width }
+    }
+
+    /// The run of `width` places that begins at `from`. Halves are widened into `room`, which must be as long as
+    /// all planes of the run ([`tiles`] sees to that).
+    pub fn of(row: Row<'a>, count: usize, from: usize, width: usize, room: &'a mut [f32]) -> Self {
+        use half::slice::HalfFloatSliceExt;
+        match row {
+            Row::Float(samples) => Strip { samples, stride: samples.len() / count, from, width },
+            Row::Half(samples) => {
+                let stride = samples.len() / count;
+                let room = &mut room[..count * width];
+                for (plane, out) in samples.chunks_exact(stride).zip(room.chunks_exact_mut(width)) {
+                    plane[from..from + width].convert_to_f32_slice(out);
+                }
+                Strip { samples: room, stride: width, from: 0, width }
+            }
+        }
+    }
+
+    /// How many places.
+    pub fn width(&self) -> usize {
+        self.width
+    }
+
+    /// How many planes.
+    pub fn count(&self) -> usize {
+        self.samples.len() / self.stride
+    }
+
+    /// The run of one plane.
+    #[inline(always)]
+    pub fn plane(&self, i: usize) -> &'a [f32] {
+        &self.samples[i * self.stride + self.from..][..self.width]
     }
 }
 
-/// A linear form of the planes of a row; planes of weight zero are passed over.
-pub fn combine(planes: &[f32], weights: &[f32], out: &mut [f32]) {
-    out.fill(0.0);
-    for (&weight, plane) in weights.iter().zip(planes.chunks_exact(out.len())) {
-        if weight != 0.0 {
-            out.iter_mut().zip(plane).for_each(|(sum, v)| *sum += weight * v);
-        }
-    }
+/// Cuts a row into tiles whose `planes` fit a [`Room`]: where each begins and how wide it is.
+pub fn tiles(planes: usize, width: usize) -> impl Iterator<Item = (usize, usize)> {
+    let fitting = ROOM / planes.max(1);
+    let step = if fitting >= LANES { fitting / LANES * LANES } else { fitting.max(1) }.min(TILE);
+    (0..width).step_by(step).map(move |from| (from, step.min(width - from)))
+}
+
+/// Tiles are whole multiples of this where they can be: two of the longest vectors.
+const LANES: usize = 32;
+
+/// Runs a loop compiled for the best that this processor has.
+fn vectorised<Loop: pulp::WithSimd>(work: Loop) -> Loop::Output {
+    pulp::Arch::new().dispatch(work)
 }

@@ -91,7 +91,8 @@ fn remove(folder: &Path, which: impl Fn(&str) -> bool) -> Result<()> {
 }
 
 fn is_ours(name: &str) -> bool {
-    let fixed = ["trace.csv", "probes.csv", "probes.svg", "report.json", "state.exr", checkpoint::NAME];
+    let fixed =
+        ["trace.csv", "probes.csv", "probes.svg", "report.json", "state.exr", "video.ffconcat", checkpoint::NAME];
     fixed.contains(&name) || frame_number(name).is_some() || is_temporary(name)
 }
 

@@ -33,7 +33,12 @@ impl Gaze {
 
     fn from_file(path: &Path) -> Result<Gaze> {
         let text = std::fs::read_to_string(path).map_err(Error::io(path, "read"))?;
-        parse_path(&text).map(Gaze::Path).map_err(|problem| Error::file(path, problem))
+        Gaze::from_rows(&text).map_err(|problem| Error::file(path, problem))
+    }
+
+    /// A path from rows of `time_s,x,y` under that header; the problem names the line.
+    pub fn from_rows(text: &str) -> Result<Gaze, String> {
+        parse_path(text).map(Gaze::Path)
     }
 
     /// The point looked at in pixels, for the frame that ends at `time`. `first`: where the first look went.

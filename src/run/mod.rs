@@ -12,6 +12,7 @@ pub mod record;
 pub mod report;
 mod scene;
 pub mod schedule;
+mod video;
 pub mod watch;
 mod writer;
 
@@ -159,12 +160,12 @@ impl Eye {
     fn adapt(&mut self, loaded: &Loaded, gaze: [f64; 2], duration: Seconds) {
         let (pupil, model) = (self.viewer.pupil.clone(), self.viewer.model);
         self.viewer.model = Model::Steady;
-        self.viewer.look(&loaded.frame.planes, &loaded.survey, gaze, duration);
+        self.viewer.look(&loaded.frame.planes, &loaded.survey, gaze, duration, None);
         (self.viewer.pupil, self.viewer.model) = (pupil, model);
     }
 
-    /// Looks at one frame and hands over what is to be written of it.
-    fn see(&mut self, loaded: &Loaded, step: &Step, adapt: bool, last: bool) -> Finished {
+    /// Looks at one frame and hands over what is to be written of it. `recycled`: a percept to be written over.
+    fn see(&mut self, loaded: &Loaded, step: &Step, adapt: bool, last: bool, recycled: Option<Planes>) -> Finished {
         let begun = Instant::now();
         let planes = &loaded.frame.planes;
         let size = [planes.width, planes.height];
@@ -173,7 +174,7 @@ impl Eye {
         if adapt {
             self.adapt(loaded, gaze, duration);
         }
-        let look = self.viewer.look(planes, &loaded.survey, gaze, duration);
+        let look = self.viewer.look(planes, &loaded.survey, gaze, duration, recycled);
         self.meet(&look, step, size[0] * size[1]);
         let readings: Vec<Reading> =
             self.probes.iter().map(|probe| probe.read(&self.viewer, planes, &look, gaze)).collect();
@@ -267,13 +268,15 @@ fn stages(
     let (to_eye, from_reader) = sync_channel(QUEUE);
     let (to_writer, from_eye) = sync_channel(QUEUE);
     let (give_back, spent_planes) = sync_channel(QUEUE + 2);
+    let (give_back_seen, spent_seen) = sync_channel(QUEUE + 2);
     std::thread::scope(|threads| {
         let reader = threads.spawn(move || {
             let pace = scene.pixels_per_degree;
             reader::read_all(&*scene.footage, &scene.vision, pace, steps, &to_eye, &spent_planes)
         });
-        let writer = threads.spawn(move || writer.write_all(tables, &from_eye, watch, progress));
-        let looked = look_at_all(config, scene, eye, &from_reader, to_writer, &give_back, watch);
+        let writer = threads.spawn(move || writer.write_all(tables, &from_eye, &give_back_seen, watch, progress));
+        let links = Links { from_reader: &from_reader, to_writer, give_back: &give_back, spent_seen: &spent_seen };
+        let looked = look_at_all(config, scene, eye, links, watch);
         drop((from_reader, give_back));
         let decode = join(reader);
         let written = join(writer)?;
@@ -305,16 +308,17 @@ fn fnv1a(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &b| (hash ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3))
 }
 
-/// The eye's stage: every frame in order, checkpoints now and then.
-fn look_at_all(
-    config: &Config,
-    scene: &Scene,
-    eye: &mut Eye,
-    from_reader: &Receiver<Result<Arc<Loaded>>>,
+/// What ties the eye's stage to its neighbours: frames one way, planes to be written over the other.
+struct Links<'a> {
+    from_reader: &'a Receiver<Result<Arc<Loaded>>>,
     to_writer: SyncSender<Delivery>,
-    give_back: &SyncSender<Planes>,
-    watch: &dyn Watch,
-) -> Result<()> {
+    give_back: &'a SyncSender<Planes>,
+    spent_seen: &'a Receiver<Planes>,
+}
+
+/// The eye's stage: every frame in order, checkpoints now and then.
+fn look_at_all(config: &Config, scene: &Scene, eye: &mut Eye, links: Links<'_>, watch: &dyn Watch) -> Result<()> {
+    let Links { from_reader, to_writer, give_back, spent_seen } = links;
     let every = Duration::from_secs_f64(config.settings.output.checkpoint_s);
     let adapted = config.settings.observer.start == "adapted";
     let mut last_checkpoint = Instant::now();
@@ -328,7 +332,8 @@ fn look_at_all(
             held = Some(step.file);
         }
         let last = eye.done + 1 == scene.steps.len();
-        let finished = eye.see(&loaded, step, adapted && eye.done == 0, last);
+        let first = adapted && eye.done == 0;
+        let finished = eye.see(&loaded, step, first, last, spent_seen.try_recv().ok());
         if let Some(spent) = Arc::into_inner(loaded) {
             // A full queue only means that the planes are dropped here.
             let _ = give_back.try_send(spent.frame.planes);
@@ -361,6 +366,7 @@ fn finish(
     watch: &dyn Watch,
 ) -> Result<Outcome> {
     plot::write(&folder.join("probes.svg"), &record::read_back(&folder.join("probes.csv"))?)?;
+    film(config, scene, folder, watch)?;
     let mut warnings = scene.footage.header().notes.clone();
     for warning in eye.counters.warnings() {
         watch.warn(&warning);
@@ -396,6 +402,18 @@ fn finish(
     frames::atomic::write_text(&folder.join("report.json"), &format!("{report:#}\n"))?;
     Checkpoint::remove(folder)?;
     Ok(Outcome { report, went_on: eye.counters.went_on(), already: false })
+}
+
+/// Makes the film that `output.video` asks for, or says how to.
+fn film(config: &Config, scene: &Scene, folder: &Path, watch: &dyn Watch) -> Result<()> {
+    let output = &config.settings.output;
+    if output.video == "none" {
+        return Ok(());
+    }
+    if let Some(command) = video::make(folder, &output.video, &scene.steps)? {
+        watch.warn(&format!("ffmpeg is not on the PATH; this makes the film where it is: {command}"));
+    }
+    Ok(())
 }
 
 fn plan(model: &Model) -> Value {

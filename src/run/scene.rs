@@ -64,7 +64,7 @@ impl Scene {
         About {
             primaries: Some(primaries),
             white,
-            frames_per_second: header.frames_per_second,
+            frames_per_second: schedule::rate(&self.steps),
             sungaze: Some(made_by.to_string()),
         }
     }

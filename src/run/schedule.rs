@@ -52,6 +52,13 @@ pub fn of_sequence(config: &Config, numbers: &[u32], shows: &[usize], file_fps: 
     Ok(steps(&edges, numbers.iter().copied().zip(shows.iter().copied())))
 }
 
+/// Frames a second, where all frames but a shortened last one are alike.
+pub fn rate(steps: &[Step]) -> Option<f64> {
+    let first = steps.first()?.duration;
+    let alike = |step: &Step| (step.duration / first - 1.0).abs() < 1e-6;
+    steps.iter().rev().skip(usize::from(steps.len() > 1)).all(alike).then_some(1.0 / first)
+}
+
 fn interval(time: &Time, fps: f64) -> f64 {
     time.interval_s.unwrap_or_else(|| 1.0 / time.fps.unwrap_or(fps))
 }

@@ -4,7 +4,7 @@ use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::mpsc::Receiver;
+use std::sync::mpsc::{Receiver, SyncSender};
 use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use crate::display::{Display, ToneMap};
 use crate::error::{Error, Result};
 use crate::frames::{self, About, Compression};
+use crate::kernel::{self, Strip};
 use crate::light::Planes;
 use crate::run::checkpoint::Checkpoint;
 use crate::run::watch::Watch;
@@ -98,11 +99,12 @@ impl Tables {
 }
 
 impl Writer<'_> {
-    /// Writes everything that arrives, in order, until the eye hangs up.
+    /// Writes everything that arrives, in order, until the eye hangs up. Percepts go back to be written over.
     pub fn write_all(
         &self,
         mut tables: Tables,
         from_eye: &Receiver<Delivery>,
+        give_back: &SyncSender<Planes>,
         watch: &dyn Watch,
         (mut done, total): (usize, usize),
     ) -> Result<Spent> {
@@ -112,6 +114,8 @@ impl Writer<'_> {
                 Delivery::Frame(frame) => {
                     self.write(&frame, &mut spent)?;
                     tables.append(&frame.trace, &frame.probes)?;
+                    // A full queue only means that the planes are dropped here.
+                    let _ = give_back.try_send(frame.seen);
                     done += 1;
                     watch.frames(done, total);
                 }
@@ -151,8 +155,9 @@ impl Writer<'_> {
         bytes.par_chunks_exact_mut(3 * width).enumerate().for_each_init(scratch, |(light, srgb), (y, bytes)| {
             let row = seen.row(y);
             let light = row.as_f32(light);
+            let light = Strip::whole(light, width);
             for (weights, out) in self.seen_to_srgb.iter().zip(srgb.chunks_exact_mut(width)) {
-                crate::kernel::combine(light, weights, out);
+                kernel::combine(light, weights, out);
             }
             let [r, g, b] = [0, 1, 2].map(|i| &srgb[i * width..][..width]);
             self.display.encode_row(map, [r, g, b], 1.0, bytes);

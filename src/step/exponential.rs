@@ -27,12 +27,13 @@ pub fn frozen_midpoint(p: f64, dt: Seconds, rates: impl Fn(f64) -> Rates) -> f64
 }
 
 /// p after `dt` of held light: the solution for the first-order law (whatever `substeps`), frozen-midpoint steps
-/// for the others.
+/// for the others (0 sub-steps count as 1).
 #[inline]
 pub fn advance(kinetics: &Kinetics, p: f64, light: Trolands, dt: Seconds, substeps: u32) -> f64 {
     if kinetics.law == Law::FirstOrder {
         return relax(p, kinetics.rates(p, light), dt);
     }
+    let substeps = substeps.max(1);
     let part = Seconds(dt.0 / f64::from(substeps));
     (0..substeps).fold(p, |p, _| frozen_midpoint(p, part, |p| kinetics.rates(p, light)))
 }

@@ -29,7 +29,7 @@ pub use implicit::{Implicit, collocate};
 pub use rosenbrock::{Rosenbrock, linearly_implicit};
 
 use crate::kinetics::Kinetics;
-use crate::units::Seconds;
+use crate::units::{Seconds, Trolands};
 use explicit::{DORMAND_PRINCE, FORWARD_EULER, HEUN, RK4};
 use implicit::{BACKWARD_EULER, LOBATTO_IIIC_2, RADAU_IIA_5, TR_BDF2, TRAPEZOID};
 use rosenbrock::{RODAS4, ROS2};
@@ -59,10 +59,31 @@ impl Method {
         METHODS.iter().find(|method| method.name == name)
     }
 
-    /// p after one step of held light taken in `substeps` equal parts.
-    pub fn hold(&self, kinetics: &Kinetics, p: f64, light: crate::units::Trolands, dt: Seconds, substeps: u32) -> f64 {
+    /// Where a held step taken in `substeps` equal parts passes the limit of this method: h lambda of a part and
+    /// the limit, beyond which p may leave 0..1.
+    pub fn past_limit(&self, kinetics: &Kinetics, light: Trolands, dt: Seconds, substeps: u32) -> Option<PastLimit> {
+        let h_lambda = dt.0 / f64::from(substeps.max(1)) * kinetics.contraction(light)[1];
+        (h_lambda > self.bounded_to).then_some(PastLimit { h_lambda, limit: self.bounded_to })
+    }
+
+    /// p after one step of held light taken in `substeps` equal parts (0 count as 1).
+    pub fn hold(&self, kinetics: &Kinetics, p: f64, light: Trolands, dt: Seconds, substeps: u32) -> f64 {
+        let substeps = substeps.max(1);
         let part = Seconds(dt.0 / f64::from(substeps));
         (0..substeps).fold(p, |p, _| (self.step)(kinetics, p, Drive::Held(light), part))
+    }
+}
+
+/// A step too long for its method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PastLimit {
+    pub h_lambda: f64,
+    pub limit: f64,
+}
+
+impl std::fmt::Display for PastLimit {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "h lambda = {:.4} is past the limit {:.4}", self.h_lambda, self.limit)
     }
 }
 

@@ -124,12 +124,12 @@ impl Stare {
 
     fn stare(&self, start: f64) -> Found {
         let mut settled = self.viewer(Model::Steady, start);
-        let end = settled.look(&self.planes, &self.survey, self.gaze(), Seconds(1.0));
+        let end = settled.look(&self.planes, &self.survey, self.gaze(), Seconds(1.0), None);
         let steady = settled.retina.fractions().to_vec();
         let mut viewer = self.viewer(limit_model(&self.pigments[0]), start);
         let (mut now, mut rate, mut percept) = (0.0, 1.0, 0.0);
         for time in ENDS {
-            let look = viewer.look(&self.planes, &self.survey, self.gaze(), Seconds(time - now));
+            let look = viewer.look(&self.planes, &self.survey, self.gaze(), Seconds(time - now), None);
             now = time;
             rate = worst([rate].into_iter().chain(self.rates(start, time, viewer.retina.fractions(), &steady)), 1.0);
             percept = difference(&look.seen, &end.seen);

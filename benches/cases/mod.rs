@@ -1,0 +1,129 @@
+//! What is measured: work on pictures in memory, and the bytes that it cannot do without.
+
+use half::f16;
+use rayon::prelude::*;
+use sungaze::display::{Display, Survey};
+use sungaze::eye::Observer;
+use sungaze::kernel::{self, FirstOrderForm};
+use sungaze::kinetics::Kinetics;
+use sungaze::light::{Planes, Primaries, Samples};
+use sungaze::percept::Vision;
+use sungaze::retina::{Model, Retina};
+use sungaze::spectrum::Bands;
+use sungaze::step::Method;
+use sungaze::units::{Nits, Seconds, Trolands};
+use sungaze::viewer::{Viewer, survey};
+
+const FRAME: Seconds = Seconds(1.0 / 24.0);
+
+/// One thing to measure: its name, the bytes it reads plus those it writes, and the work.
+pub struct Case {
+    pub name: &'static str,
+    pub bytes: usize,
+    pub work: Box<dyn FnMut() + Send>,
+}
+
+/// Every case for a picture of about so many megapixels.
+pub fn all(megapixels: f64) -> Vec<Case> {
+    let height = ((megapixels * 1e6 / 16.0 * 9.0).sqrt()).round() as usize;
+    let width = (megapixels * 1e6 / height as f64).round() as usize;
+    let size = [width, height];
+    vec![
+        state("state update, indoor to street", size, false),
+        state("state update, a sun in every tile", size, true),
+        rgb("RGB frame, half", size),
+        spectral("spectral frame, 31 bands", size),
+        display("display", size),
+    ]
+}
+
+/// A copy that moves as many bytes, read plus written, block by block in the pool's threads.
+pub fn copy(bytes: usize) -> Box<dyn FnMut() + Send> {
+    const BLOCK: usize = 256 * 1024;
+    let from = vec![1u8; bytes / 2];
+    let mut to = vec![0u8; bytes / 2];
+    Box::new(move || {
+        to.par_chunks_mut(BLOCK).zip(from.par_chunks(BLOCK)).for_each(|(to, from)| to.copy_from_slice(from));
+        std::hint::black_box(&mut to);
+    })
+}
+
+/// Numbers without a pattern that a processor could learn, 0 to 1.
+fn noise(i: usize) -> f32 {
+    let x = (i as u32).wrapping_mul(0x9E37_79B9) ^ 0x5bd1_e995;
+    (x ^ (x >> 15)).wrapping_mul(0x85eb_ca6b) as f32 / u32::MAX as f32
+}
+
+fn pigments() -> [Kinetics; 3] {
+    [4.3, 4.3, 5.0].map(|log: f64| Kinetics::first_order(Trolands(10f64.powf(log)), Seconds(120.0)))
+}
+
+fn tracked() -> Model {
+    let method = Method::named("exact").unwrap_or(&sungaze::step::METHODS[0]);
+    Model::Tracked { method, substeps: 0, budget: 1e-3 }
+}
+
+fn state(name: &'static str, [width, height]: [usize; 2], sunny: bool) -> Case {
+    let places = width * height;
+    let mut p = vec![0.9f64; 3 * places];
+    let light: Vec<f32> =
+        (0..3 * places).map(|i| if sunny && i % 256 == 99 { 1e9 } else { 10f32.powf(1.0 + 4.0 * noise(i)) }).collect();
+    let forms = pigments().map(|pigment| FirstOrderForm::new(&pigment, FRAME));
+    let work = move || {
+        p.par_chunks_mut(3 * width).zip(light.par_chunks(3 * width)).for_each(|(p, light)| {
+            for ((p, light), form) in p.chunks_mut(width).zip(light.chunks(width)).zip(forms) {
+                kernel::relax(form, light, p);
+            }
+        });
+    };
+    Case { name, bytes: places * 3 * (8 + 8 + 4), work: Box::new(work) }
+}
+
+/// A whole look, with the picture given back to be written over.
+fn look(name: &'static str, vision: Vision, planes: Planes, bytes: usize) -> Case {
+    let luminances: Survey = survey(&vision, &planes, 24.0);
+    let retina = Retina::rested(planes.width, planes.height);
+    let mut viewer = Viewer::new(vision, pigments(), tracked(), retina, 24.0);
+    let gaze = [planes.width as f64 / 2.0, planes.height as f64 / 2.0];
+    let mut seen = None;
+    let work = move || {
+        let look = viewer.look(&planes, &luminances, gaze, FRAME, seen.take());
+        seen = Some(look.seen);
+    };
+    Case { name, bytes, work: Box::new(work) }
+}
+
+fn rgb(name: &'static str, [width, height]: [usize; 2]) -> Case {
+    let places = width * height;
+    let samples = (0..3 * places).map(|i| f16::from_f32(10f32.powf(3.0 * noise(i) - 1.0))).collect();
+    let planes = Planes { width, height, count: 3, samples: Samples::Half(samples) };
+    let vision = Vision::of_rgb(Observer::standard(), &Primaries::REC709, Nits(100.0));
+    look(name, vision.unwrap_or_else(|| unreachable!("Rec. 709 has a gamut")), planes, places * (6 + 6 + 48))
+}
+
+fn spectral(name: &'static str, [width, height]: [usize; 2]) -> Case {
+    let (places, count) = (width * height, 31);
+    let samples = (0..count * places).map(|i| 0.1 * noise(i)).collect();
+    let planes = Planes { width, height, count, samples: Samples::Float(samples) };
+    let bands = Bands::uniform(395.0, 705.0, count).unwrap_or_else(|| unreachable!("31 bands of 10 nm"));
+    let vision = Vision::of_held_bands(Observer::standard(), &bands);
+    look(name, vision, planes, places * (count * 4 + 12 + 48))
+}
+
+fn display(name: &'static str, [width, height]: [usize; 2]) -> Case {
+    let places = width * height;
+    let light: Vec<f32> = (0..3 * places).map(|i| 10f32.powf(4.0 * noise(i) - 1.0)).collect();
+    let display = Display::default();
+    let vision = Vision::of_rgb(Observer::standard(), &Primaries::REC709, Nits(1.0));
+    let vision = vision.unwrap_or_else(|| unreachable!("Rec. 709 has a gamut"));
+    let planes = Planes { width, height, count: 3, samples: Samples::Float(light.clone()) };
+    let map = display.follow(None, &survey(&vision, &planes, 24.0), FRAME);
+    let mut bytes = vec![0u8; 3 * places];
+    let work = move || {
+        bytes.par_chunks_mut(3 * width).zip(light.par_chunks(3 * width)).for_each(|(bytes, light)| {
+            let [r, g, b] = [0, 1, 2].map(|i| &light[i * width..][..width]);
+            display.encode_row(&map, [r, g, b], 1.0, bytes);
+        });
+    };
+    Case { name, bytes: places * (12 + 3), work: Box::new(work) }
+}

@@ -1,0 +1,170 @@
+//! What a frame file holds, told without a configuration.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use crate::error::{Error, Result};
+use crate::frames::displayed::DisplayedPicture;
+use crate::frames::envi::EnviPicture;
+use crate::frames::exr_description::{ExrDescription, described};
+use crate::frames::exr_file::ExrFile;
+use crate::frames::exr_picture::ExrPicture;
+use crate::frames::footage::{Format, Picture, format};
+use crate::frames::radiance::RadiancePicture;
+use crate::frames::{Header, Kind, Negative, NonFinite, ReadOptions};
+use crate::light::{Planes, Projection, Tally};
+
+/// Bands that are looked at in one reading of a spectral file.
+const AT_ONCE: usize = 8;
+
+/// What a file holds.
+#[derive(Clone, Debug, Serialize)]
+pub struct Inspection {
+    pub file: String,
+    pub format: String,
+    pub width: usize,
+    pub height: usize,
+    /// `rgb`, `spectral`, or nothing where the channels' names tell neither.
+    pub kind: Option<&'static str>,
+    /// x, y of red, green, blue and white.
+    pub primaries: Option<[[f64; 2]; 4]>,
+    /// Centre, lower and upper limit of each band, nm.
+    pub bands_nm: Option<Vec<[f64; 3]>>,
+    pub white_cd_m2: Option<f64>,
+    pub frames_per_second: Option<f64>,
+    /// Smallest and largest luminance, where it can be told.
+    pub luminance_cd_m2: Option<[f64; 2]>,
+    /// Smallest and largest finite value of each plane, in the order of the bands or R, G, B.
+    pub ranges: Vec<[f64; 2]>,
+    pub nan: u64,
+    pub infinite: u64,
+    pub negative: u64,
+    pub clipped: u64,
+    #[serde(flatten)]
+    pub exr: Option<ExrDescription>,
+    pub notes: Vec<String>,
+}
+
+/// For each plane of a frame the factor to its share of the luminance in cd/m2; nothing where that is unknown.
+pub type LuminanceWeights<'a> = &'a dyn Fn(&Header) -> Option<Vec<f64>>;
+
+/// Describes a file. Samples that are no numbers are counted, whatever the options say of them.
+pub fn inspect(path: &Path, options: &ReadOptions, weights: LuminanceWeights) -> Result<Inspection> {
+    let options = ReadOptions { non_finite: NonFinite::Clamp, negative: Negative::Keep, ..options.clone() };
+    let (name, picture, exr): (_, Box<dyn Picture>, _) = match format(path)? {
+        Format::OpenExr => match ExrPicture::open(path, &options) {
+            Ok(picture) => {
+                let description = described(&picture.file.meta.headers[picture.part]);
+                ("OpenEXR", Box::new(picture), Some(description))
+            }
+            Err(error) => return unrecognised(path, error),
+        },
+        Format::Radiance => ("Radiance", Box::new(RadiancePicture::open(path, &options)?), None),
+        Format::Displayed => ("PNG or JPEG", Box::new(DisplayedPicture::open(path, &options)?), None),
+        Format::Envi => ("ENVI", Box::new(EnviPicture::open(path, &options)?), None),
+    };
+    let header = picture.header();
+    let (ranges, luminance, tally) = match &header.kind {
+        Kind::Rgb(_) => rgb_ranges(&*picture, weights(header))?,
+        Kind::Spectral(bands) => band_ranges(&*picture, bands.len(), weights(header))?,
+    };
+    let Tally { nan, infinite, negative, clipped } = tally;
+    let bare = bare(path, name, header);
+    Ok(Inspection { ranges, luminance_cd_m2: luminance, nan, infinite, negative, clipped, exr, ..bare })
+}
+
+/// A description that only knows the size.
+fn blank(path: &Path, format: &str, width: usize, height: usize) -> Inspection {
+    Inspection {
+        file: path.display().to_string(),
+        format: format.into(),
+        width,
+        height,
+        kind: None,
+        primaries: None,
+        bands_nm: None,
+        white_cd_m2: None,
+        frames_per_second: None,
+        luminance_cd_m2: None,
+        ranges: Vec::new(),
+        nan: 0,
+        infinite: 0,
+        negative: 0,
+        clipped: 0,
+        exr: None,
+        notes: Vec::new(),
+    }
+}
+
+/// What the header alone tells.
+fn bare(path: &Path, format: &str, header: &Header) -> Inspection {
+    let (kind, primaries, bands_nm) = match &header.kind {
+        Kind::Rgb(p) => ("rgb", Some([p.red, p.green, p.blue, p.white]), None),
+        Kind::Spectral(bands) => {
+            let limits = bands.as_slice().iter().map(|band| [band.centre, band.low, band.high]);
+            ("spectral", None, Some(limits.collect()))
+        }
+    };
+    Inspection {
+        kind: Some(kind),
+        primaries,
+        bands_nm,
+        white_cd_m2: header.white.map(|white| white.0),
+        frames_per_second: header.frames_per_second,
+        notes: header.notes.clone(),
+        ..blank(path, format, header.width, header.height)
+    }
+}
+
+/// An OpenEXR file whose channels tell no picture is still described; one that cannot be read is not.
+fn unrecognised(path: &Path, error: Error) -> Result<Inspection> {
+    let (Error::File { problem, .. }, Ok(file)) = (&error, ExrFile::open(path)) else { return Err(error) };
+    let exr = &file.meta.headers[0];
+    let size = exr.shared_attributes.display_window.size;
+    let notes = vec![problem.clone()];
+    Ok(Inspection { exr: Some(described(exr)), notes, ..blank(path, "OpenEXR", size.width(), size.height()) })
+}
+
+type Ranges = (Vec<[f64; 2]>, Option<[f64; 2]>, Tally);
+
+fn rgb_ranges(picture: &dyn Picture, weights: Option<Vec<f64>>) -> Result<Ranges> {
+    let frame = picture.decode(None, None)?;
+    let planes = &frame.planes;
+    let ranges = (0..3).map(|i| range(planes, |x, y| planes.at(x, y, i))).collect();
+    let luminance = weights.map(|weights| {
+        range(planes, |x, y| weights.iter().enumerate().map(|(i, weight)| weight * planes.at(x, y, i)).sum())
+    });
+    Ok((ranges, luminance, frame.tally))
+}
+
+/// Reads a few bands at a time, so that a frame is never held whole.
+fn band_ranges(picture: &dyn Picture, bands: usize, weights: Option<Vec<f64>>) -> Result<Ranges> {
+    let unit = |band: usize| (0..bands).map(move |i| if i == band { 1.0 } else { 0.0 });
+    let mut ranges = Vec::new();
+    let mut tally = Tally::default();
+    for first in (0..bands).step_by(AT_ONCE) {
+        let chosen = first..bands.min(first + AT_ONCE);
+        let (rows, weights) = (chosen.len(), chosen.flat_map(unit).collect());
+        let read = picture.decode(Some(&Projection { bands, rows, weights }), None)?;
+        ranges.extend((0..rows).map(|i| range(&read.planes, |x, y| read.planes.at(x, y, i))));
+        tally = read.tally;
+    }
+    let luminance = match weights {
+        None => None,
+        Some(weights) => {
+            let weights = weights.iter().map(|weight| *weight as f32).collect();
+            let planes = picture.decode(Some(&Projection { bands, rows: 1, weights }), None)?.planes;
+            Some(range(&planes, |x, y| planes.at(x, y, 0)))
+        }
+    };
+    Ok((ranges, luminance, tally))
+}
+
+fn range(planes: &Planes, value: impl Fn(usize, usize) -> f64) -> [f64; 2] {
+    let pixels = (0..planes.height).flat_map(|y| (0..planes.width).map(move |x| (x, y)));
+    pixels.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], (x, y)| {
+        let value = value(x, y);
+        [low.min(value), high.max(value)]
+    })
+}

@@ -1,0 +1,37 @@
+//! What a look met: the extremes that the trace, the warnings and the plan ask for.
+
+use crate::kernel;
+
+/// What was met at the places of the retina that the look covered.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Census {
+    /// Greatest cone illuminance, td.
+    pub greatest: [f64; 3],
+    /// Least unbleached fraction.
+    pub least: [f64; 3],
+    /// Places that have lost more than half of their S pigment.
+    pub s_past_half: u64,
+    /// Percept samples that a half float could not hold.
+    pub limited: u64,
+}
+
+impl Census {
+    pub(super) const EMPTY: Census = Census { greatest: [0.0; 3], least: [1.0; 3], s_past_half: 0, limited: 0 };
+
+    /// What a run of places met: its light, td, and its pigment after it.
+    pub(super) fn of(td: [&[f32]; 3], p: [&[f64]; 3]) -> Self {
+        let least = p.map(kernel::least);
+        let past_half = |&&p: &&f64| p < 0.5;
+        let s_past_half = if least[2] < 0.5 { p[2].iter().filter(past_half).count() as u64 } else { 0 };
+        Census { greatest: td.map(|td| kernel::greatest(td).into()), least, s_past_half, limited: 0 }
+    }
+
+    pub(super) fn and(self, other: Census) -> Census {
+        Census {
+            greatest: [0, 1, 2].map(|k| self.greatest[k].max(other.greatest[k])),
+            least: [0, 1, 2].map(|k| self.least[k].min(other.least[k])),
+            s_past_half: self.s_past_half + other.s_past_half,
+            limited: self.limited + other.limited,
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! Luminance: around the gaze and over the picture, for the pupil, and of every cell, for the display.
+
+use rayon::prelude::*;
+
+use super::Viewer;
+use crate::display::{Cells, Survey};
+use crate::eye::Adapting;
+use crate::kernel::{self, Strip};
+use crate::light::Planes;
+use crate::percept::Vision;
+use crate::units::{Degrees, Nits};
+
+impl Viewer {
+    /// What the pupil responds to: the mean over the fovea around the gaze (pixels) and over the picture.
+    pub fn adapting(&self, planes: &Planes, survey: &Survey, gaze: [f64; 2]) -> Adapting {
+        let area = (planes.width * planes.height) as f64 / self.pixels_per_degree.powi(2);
+        let fovea = self.foveal_mean(planes, gaze);
+        Adapting { fovea: Nits(fovea), picture: Nits(survey.mean), area_deg2: area }
+    }
+
+    /// Mean luminance of the pixels whose centres lie in the fovea; the nearest pixel if none does.
+    fn foveal_mean(&self, planes: &Planes, gaze: [f64; 2]) -> f64 {
+        let weights = &self.vision.luminance;
+        let luminance = |x: usize, y: usize| {
+            let sum: f64 =
+                weights.iter().enumerate().filter(|(_, w)| **w != 0.0).map(|(i, w)| w * planes.at(x, y, i)).sum();
+            sum.max(0.0)
+        };
+        let (mut sum, mut count) = (0.0, 0u32);
+        for [x, y] in self.fovea(planes.width, planes.height, gaze) {
+            sum += luminance(x, y);
+            count += 1;
+        }
+        if count > 0 {
+            return sum / f64::from(count);
+        }
+        let nearest = |v: f64, n: usize| (v.round().max(0.0) as usize).min(n - 1);
+        luminance(nearest(gaze[0], planes.width), nearest(gaze[1], planes.height))
+    }
+
+    /// The pixels of a picture whose centres lie within the fovea around a gaze.
+    pub fn fovea(&self, width: usize, height: usize, gaze: [f64; 2]) -> impl Iterator<Item = [usize; 2]> {
+        let Degrees(across) = self.vision.observer.fovea;
+        let radius = across / 2.0 * self.pixels_per_degree;
+        let span = move |centre: f64, n: usize| {
+            let from = (centre - radius).ceil().max(0.0) as usize;
+            let to = (centre + radius).floor().min(n as f64 - 1.0);
+            from..(to.max(-1.0) + 1.0) as usize
+        };
+        let inside = move |x: usize, y: usize| {
+            let (dx, dy) = (x as f64 - gaze[0], y as f64 - gaze[1]);
+            dx * dx + dy * dy <= radius * radius
+        };
+        span(gaze[1], height)
+            .flat_map(move |y| span(gaze[0], width).map(move |x| [x, y]))
+            .filter(move |&[x, y]| inside(x, y))
+    }
+}
+
+/// Luminances of a frame, gathered for the pupil and the display.
+pub fn survey(vision: &Vision, planes: &Planes, pixels_per_degree: f64) -> Survey {
+    let cells = Cells::new(planes.width, planes.height, pixels_per_degree);
+    let weights: Vec<f32> = vision.luminance.iter().map(|&w| w as f32).collect();
+    let rows: Vec<_> = (0..planes.height)
+        .into_par_iter()
+        .map_init(
+            || vec![0.0; planes.width],
+            |luminance, y| {
+                let (row, mut room) = (planes.row(y), [0.0; kernel::ROOM]);
+                for (from, width) in kernel::tiles(planes.count, planes.width) {
+                    let light = Strip::of(row, planes.count, from, width, &mut room);
+                    kernel::combine(light, &weights, &mut luminance[from..from + width]);
+                }
+                cells.row(luminance)
+            },
+        )
+        .collect();
+    cells.gather(rows)
+}

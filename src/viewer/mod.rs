@@ -1,0 +1,275 @@
+//! A staring viewer: an observer and a retina in time. One look takes a frame's light to the percept.
+//!
+//!     adapting luminance -> pupil -> per row: cone illuminance -> pigment -> percept
+//!
+//! With a still gaze the whole way is one pass over a row. With a moved gaze it is two: the light's way to the
+//! retina ([`Viewer::expose`]) and the percept's way back ([`Viewer::perceive`]), each with its own resampling.
+
+mod census;
+mod field;
+mod fovea;
+mod sight;
+
+use rayon::prelude::*;
+
+use crate::display::Survey;
+use crate::eye::Pupil;
+use crate::kernel::{self, PerceptForm, ROOM, TILE};
+use crate::kinetics::Kinetics;
+use crate::light::{Planes, Sample, Samples};
+use crate::percept::Vision;
+use crate::retina::{Advance, Model, Retina};
+use crate::units::{Millimetres, Nits, Seconds};
+
+pub use census::Census;
+use field::Field;
+pub use fovea::survey;
+use sight::Sight;
+
+/// An observer who watches frames of one size.
+pub struct Viewer {
+    pub vision: Vision,
+    pub pigments: [Kinetics; 3],
+    pub model: Model,
+    pub retina: Retina,
+    pub pupil: Pupil,
+    /// Scale of the picture, in both directions.
+    pub pixels_per_degree: f64,
+    /// Light on retina that the picture does not cover.
+    pub surround: Nits,
+    /// Where the first look was aimed, in pixels.
+    pub first_gaze: Option<[f64; 2]>,
+    form: PerceptForm,
+    fields: Vec<f32>,
+}
+
+/// What one look found.
+#[derive(Clone, Debug)]
+pub struct Look {
+    /// The percept: three planes in the light's own scale; half if the light was.
+    pub seen: Planes,
+    pub adapting: Nits,
+    pub pupil: Millimetres,
+    /// How far the gaze has moved from the first, in pixels.
+    pub shift: [f64; 2],
+    pub census: Census,
+}
+
+impl Viewer {
+    /// A viewer of pictures of this size; the retina must have it too.
+    pub fn new(vision: Vision, pigments: [Kinetics; 3], model: Model, retina: Retina, pixels_per_degree: f64) -> Self {
+        let pupil = Pupil::new(vision.observer.pupil, vision.observer.dynamics);
+        let form = PerceptForm::new(&vision);
+        Viewer {
+            vision,
+            pigments,
+            model,
+            retina,
+            pupil,
+            pixels_per_degree,
+            surround: Nits(0.0),
+            first_gaze: None,
+            form,
+            fields: Vec::new(),
+        }
+    }
+
+    /// Looks at a frame for a while. `gaze`: where, in pixels; `recycled`: an earlier percept to be written over.
+    pub fn look(
+        &mut self,
+        planes: &Planes,
+        survey: &Survey,
+        gaze: [f64; 2],
+        duration: Seconds,
+        recycled: Option<Planes>,
+    ) -> Look {
+        let first = *self.first_gaze.get_or_insert(gaze);
+        let shift = [gaze[0] - first[0], gaze[1] - first[1]];
+        let adapting = self.adapting(planes, survey, gaze);
+        let pupil = self.pupil.follow(adapting, duration);
+        let glance = Glance {
+            planes,
+            sight: Sight::new(&self.vision, planes, pupil, gaze, self.pixels_per_degree),
+            pupil,
+            shift,
+            duration,
+        };
+        let half = matches!(planes.samples, Samples::Half(_)) && self.vision.returns_its_light();
+        let mut seen = canvas(recycled, planes, half);
+        let census = match &mut seen.samples {
+            Samples::Half(seen) => self.rows(&glance, seen),
+            Samples::Float(seen) => self.rows(&glance, seen),
+        };
+        Look { seen, adapting: adapting.fovea, pupil, shift, census }
+    }
+
+    fn rows<T: Sample>(&mut self, glance: &Glance<'_>, seen: &mut [T]) -> Census {
+        let still = glance.shift == [0.0, 0.0]
+            && self.retina.origin() == [0, 0]
+            && self.retina.size() == [glance.planes.width, glance.planes.height];
+        if still {
+            return self.look_still(glance, seen);
+        }
+        self.expose(glance).and(self.perceive(glance, seen))
+    }
+
+    /// One pass over each row, tile by tile: light, pigment, percept.
+    fn look_still<T: Sample>(&mut self, glance: &Glance<'_>, seen: &mut [T]) -> Census {
+        let Viewer { pigments, model, retina, form, .. } = self;
+        let advance = Advance { pigments, model: *model, duration: glance.duration };
+        let (planes, sight) = (glance.planes, &glance.sight);
+        let moves = !matches!(advance.model, Model::Unbleached);
+        retina
+            .par_rows_mut()
+            .zip(seen.par_chunks_exact_mut(3 * planes.width))
+            .enumerate()
+            .map(|(y, (p, seen))| {
+                let (mut room, mut td, mut rgb) = ([0.0; ROOM], [[0.0; TILE]; 3], [[0.0; TILE]; 3]);
+                let mut census = Census::EMPTY;
+                for (from, width) in sight.tiles(planes.row(y), planes.width) {
+                    let light = sight.light(planes.row(y), from, width, &mut room);
+                    let td = td.each_mut().map(|td| &mut td[..width]);
+                    let mut p = thirds(p).map(|p| &mut p[from..from + width]);
+                    if moves {
+                        let [l, m, s] = td;
+                        sight.illuminance(light, [from, y], [&mut *l, &mut *m, &mut *s]);
+                        let td = [&*l, &*m, &*s];
+                        (0..3).for_each(|k| advance.cone(k, td[k], p[k]));
+                        census = census.and(Census::of(td, p.each_ref().map(|p| &**p)));
+                    }
+                    kernel::percept(form, light, p.map(|p| &*p), rgb.each_mut().map(|rgb| &mut rgb[..width]));
+                    census.limited += stored(&rgb, seen, from, width);
+                }
+                census
+            })
+            .reduce(|| Census::EMPTY, Census::and)
+    }
+
+    /// The light's way to the retina: cone illuminance of the picture, resampled to the places, moves their pigment.
+    fn expose(&mut self, glance: &Glance<'_>) -> Census {
+        if matches!(self.model, Model::Unbleached) {
+            return Census::EMPTY;
+        }
+        let (planes, shift) = (glance.planes, glance.shift);
+        self.fields.resize(3 * planes.width * planes.height, 0.0);
+        self.fields.par_chunks_exact_mut(3 * planes.width).enumerate().for_each(|(y, td)| {
+            let mut room = [0.0; ROOM];
+            for (from, width) in glance.sight.tiles(planes.row(y), planes.width) {
+                let light = glance.sight.light(planes.row(y), from, width, &mut room);
+                glance.sight.illuminance(light, [from, y], thirds(td).map(|td| &mut td[from..from + width]));
+            }
+        });
+        let edge = |i: usize, n: usize| [(-shift[i]).floor() as i64, (n as f64 - 1.0 - shift[i]).ceil() as i64];
+        let ([left, right], [top, bottom]) = (edge(0, planes.width), edge(1, planes.height));
+        self.retina.cover([left, top], [right, bottom]);
+        let surround = self.surround_illuminance(glance.pupil);
+        let advance = Advance { pigments: &self.pigments, model: self.model, duration: glance.duration };
+        self.retina.advance_beyond(&advance, surround);
+        let around = surround.map(|v| v as f32);
+        let field = Field { samples: &self.fields, width: planes.width, height: planes.height, around };
+        let ([x0, y0], [places, _]) = (self.retina.origin(), self.retina.size());
+        self.retina
+            .par_rows_mut()
+            .enumerate()
+            .map(|(row, p)| {
+                let mut td = [[0.0; TILE]; 3];
+                let mut census = Census::EMPTY;
+                for (from, width) in kernel::tiles(1, places) {
+                    let at = [(x0 + from as i64) as f64 + shift[0], (y0 + row as i64) as f64 + shift[1]];
+                    field.resample(at, td.each_mut().map(|td| &mut td[..width]));
+                    let td = td.each_ref().map(|td| &td[..width]);
+                    let mut p = thirds(p).map(|p| &mut p[from..from + width]);
+                    (0..3).for_each(|k| advance.cone(k, td[k], p[k]));
+                    census = census.and(Census::of(td, p.each_ref().map(|p| &**p)));
+                }
+                census
+            })
+            .reduce(|| Census::EMPTY, Census::and)
+    }
+
+    /// The percept's way back: p is read at the picture's points, and the picture's own light is seen through it.
+    fn perceive<T: Sample>(&self, glance: &Glance<'_>, seen: &mut [T]) -> Census {
+        let (planes, shift, pigment) = (glance.planes, glance.shift, self.pigment());
+        let [x0, y0] = self.retina.origin();
+        seen.par_chunks_exact_mut(3 * planes.width)
+            .enumerate()
+            .map(|(y, seen)| {
+                let (mut room, mut p, mut rgb) = ([0.0; ROOM], [[0.0; TILE]; 3], [[0.0; TILE]; 3]);
+                let mut census = Census::EMPTY;
+                for (from, width) in glance.sight.tiles(planes.row(y), planes.width) {
+                    let light = glance.sight.light(planes.row(y), from, width, &mut room);
+                    let at = [from as f64 - shift[0] - x0 as f64, y as f64 - shift[1] - y0 as f64];
+                    pigment.resample(at, p.each_mut().map(|p| &mut p[..width]));
+                    let p = p.each_ref().map(|p| &p[..width]);
+                    kernel::percept(&self.form, light, p, rgb.each_mut().map(|rgb| &mut rgb[..width]));
+                    census.limited += stored(&rgb, seen, from, width);
+                }
+                census
+            })
+            .reduce(|| Census::EMPTY, Census::and)
+    }
+
+    /// Cone illuminance of the light around the picture, an equal-energy spectrum, td.
+    fn surround_illuminance(&self, pupil: Millimetres) -> [f64; 3] {
+        let moments = self.vision.equal_energy_moments();
+        let weights = self.vision.illuminance_weights(pupil, Millimetres(f64::INFINITY));
+        self.vision.illuminance(&moments, &weights).map(|td| td * self.surround.0)
+    }
+
+    /// Cone illuminance of one point of a picture, td.
+    pub fn illuminance_at(&self, planes: &Planes, pupil: Millimetres, gaze: [f64; 2], [x, y]: [usize; 2]) -> [f64; 3] {
+        let scale = self.vision.observer.directional.mm_per_degree().unwrap_or(0.0) / self.pixels_per_degree;
+        let r = Millimetres(scale * (x as f64 - gaze[0]).hypot(y as f64 - gaze[1]));
+        self.vision.illuminance(&self.vision.moments(planes, x, y), &self.vision.illuminance_weights(pupil, r))
+    }
+
+    /// Unbleached fractions at one point of a picture.
+    pub fn fractions_at(&self, shift: [f64; 2], [x, y]: [usize; 2]) -> [f64; 3] {
+        let [x0, y0] = self.retina.origin();
+        let [mut l, mut m, mut s] = [[0.0]; 3];
+        let at = [x as f64 - shift[0] - x0 as f64, y as f64 - shift[1] - y0 as f64];
+        self.pigment().resample(at, [&mut l, &mut m, &mut s]);
+        [l[0], m[0], s[0]]
+    }
+
+    /// The retina's pigment, to be read between its places.
+    fn pigment(&self) -> Field<'_, f64> {
+        let [width, height] = self.retina.size();
+        Field { samples: self.retina.fractions(), width, height, around: self.retina.beyond() }
+    }
+}
+
+/// One look at one frame: what its rows share.
+struct Glance<'a> {
+    planes: &'a Planes,
+    sight: Sight,
+    pupil: Millimetres,
+    /// How far the gaze has moved from the first, in pixels.
+    shift: [f64; 2],
+    duration: Seconds,
+}
+
+/// The three runs of a row: L, M, S or R, G, B.
+fn thirds<T>(row: &mut [T]) -> [&mut [T]; 3] {
+    let width = row.len() / 3;
+    let (first, rest) = row.split_at_mut(width);
+    let (second, third) = rest.split_at_mut(width);
+    [first, second, third]
+}
+
+/// Stores a tile of the percept; returns how many samples had to be limited.
+fn stored<T: Sample>(rgb: &[[f32; TILE]; 3], row: &mut [T], from: usize, width: usize) -> u64 {
+    let planes = rgb.iter().zip(thirds(row));
+    planes.map(|(rgb, out)| T::store(&rgb[..width], &mut out[from..from + width])).sum()
+}
+
+/// Planes for a percept: recycled ones where they fit.
+fn canvas(recycled: Option<Planes>, like: &Planes, half: bool) -> Planes {
+    let fits = |old: &Planes| {
+        (old.width, old.height, old.count) == (like.width, like.height, 3)
+            && matches!(old.samples, Samples::Half(_)) == half
+    };
+    recycled.filter(fits).unwrap_or_else(|| {
+        if half { Planes::half(like.width, like.height, 3) } else { Planes::float(like.width, like.height, 3) }
+    })
+}
