@@ -238,12 +238,8 @@ fn write_frames(folder: &Path) {
     let names: Vec<String> = NM.map(|nm| format!("b{nm}")).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     for (n, lights) in frames().iter().enumerate() {
-        let mut samples = Vec::new();
-        for y in 0..HEIGHT {
-            for band in 0..names.len() {
-                samples.extend((0..WIDTH).map(|x| lights[y * WIDTH + x][band] as f32));
-            }
-        }
+        let band = |y: usize, band: usize| (0..WIDTH).map(move |x| lights[y * WIDTH + x][band] as f32);
+        let samples = (0..HEIGHT).flat_map(|y| (0..names.len()).flat_map(move |i| band(y, i))).collect();
         let planes = Planes { width: WIDTH, height: HEIGHT, count: names.len(), samples: Samples::Float(samples) };
         let path = folder.join(format!("f.{:04}.exr", n + 1));
         write_exr(&path, &names, &planes, Compression::Zip, &About::default()).expect("a frame");
