@@ -177,9 +177,18 @@ impl Sheet {
             let path = out_dir.join(format!("{name}.{extension}"));
             std::fs::write(&path, bytes).map_err(Error::io(&path, "write"))
         };
-        put("svg", SvgBackend::default().render_scene(&self.0).as_bytes())?;
-        let pixels = RasterBackend::new().with_scale(2.0).render_scene(&self.0);
-        put("png", &pixels.map_err(|problem| Error::file(out_dir.join(name), problem))?)
+        put("svg", self.svg().as_bytes())?;
+        put("png", &self.png().map_err(|problem| Error::file(out_dir.join(name), problem))?)
+    }
+
+    /// The drawing as SVG.
+    pub fn svg(&self) -> String {
+        SvgBackend::default().render_scene(&self.0)
+    }
+
+    /// The drawing as PNG, two pixels to the unit.
+    pub fn png(&self) -> std::result::Result<Vec<u8>, String> {
+        RasterBackend::new().with_scale(2.0).render_scene(&self.0)
     }
 }
 

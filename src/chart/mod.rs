@@ -6,7 +6,7 @@ pub mod axes;
 pub mod draw;
 mod fundamentals;
 mod machine;
-mod palette;
+pub(crate) mod palette;
 mod pigment;
 mod scenes;
 mod stability;

@@ -2,19 +2,19 @@
 
 use super::draw::{Ink, Marker};
 
-pub(super) const BLACK: Ink = Ink(0x00, 0x00, 0x00);
-pub(super) const ORANGE: Ink = Ink(0xe6, 0x9f, 0x00);
-pub(super) const SKY: Ink = Ink(0x56, 0xb4, 0xe9);
-pub(super) const GREEN: Ink = Ink(0x00, 0x9e, 0x73);
-pub(super) const BLUE: Ink = Ink(0x00, 0x72, 0xb2);
-pub(super) const VERMILION: Ink = Ink(0xd5, 0x5e, 0x00);
-pub(super) const PURPLE: Ink = Ink(0xcc, 0x79, 0xa7);
-pub(super) const GREY: Ink = Ink(0x8a, 0x8a, 0x8a);
-pub(super) const FAINT: Ink = Ink(0xdd, 0xdd, 0xdd);
-pub(super) const PALE_GREEN: Ink = Ink(0xe9, 0xf5, 0xf0);
-pub(super) const PALE_GREY: Ink = Ink(0xf2, 0xf2, 0xf2);
-pub(super) const PALE_RED: Ink = Ink(0xfb, 0xec, 0xe2);
-pub(super) const WHITE: Ink = Ink(0xff, 0xff, 0xff);
+pub(crate) const BLACK: Ink = Ink(0x00, 0x00, 0x00);
+pub(crate) const ORANGE: Ink = Ink(0xe6, 0x9f, 0x00);
+pub(crate) const SKY: Ink = Ink(0x56, 0xb4, 0xe9);
+pub(crate) const GREEN: Ink = Ink(0x00, 0x9e, 0x73);
+pub(crate) const BLUE: Ink = Ink(0x00, 0x72, 0xb2);
+pub(crate) const VERMILION: Ink = Ink(0xd5, 0x5e, 0x00);
+pub(crate) const PURPLE: Ink = Ink(0xcc, 0x79, 0xa7);
+pub(crate) const GREY: Ink = Ink(0x8a, 0x8a, 0x8a);
+pub(crate) const FAINT: Ink = Ink(0xdd, 0xdd, 0xdd);
+pub(crate) const PALE_GREEN: Ink = Ink(0xe9, 0xf5, 0xf0);
+pub(crate) const PALE_GREY: Ink = Ink(0xf2, 0xf2, 0xf2);
+pub(crate) const PALE_RED: Ink = Ink(0xfb, 0xec, 0xe2);
+pub(crate) const WHITE: Ink = Ink(0xff, 0xff, 0xff);
 
 /// How each method is drawn: explicit ones warm, implicit ones cool, exponential ones dark.
 pub(super) fn of_method(name: &str) -> (Ink, Marker) {

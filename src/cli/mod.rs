@@ -4,6 +4,7 @@ mod chart;
 mod completions;
 mod inspect;
 mod run;
+mod sweep;
 mod table;
 mod validate;
 mod watch;
@@ -31,6 +32,19 @@ enum Command {
     Run {
         /// A TOML file; without one, the built-in defaults.
         config: Option<PathBuf>,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Sweep exposure durations and any other parameter, from one TOML file with [sweep].
+    ///
+    /// A folder that holds the same sweep is gone on with: finished cases are kept.
+    #[command(after_help = "Examples:\n  sungaze sweep configs/exposure_sweep.toml\n  \
+                            seq 0 4 | parallel sungaze sweep configs/half_bleach_sweep.toml --index {} && \\\n  \
+                            sungaze sweep configs/half_bleach_sweep.toml --merge")]
+    Sweep {
+        config: PathBuf,
+        #[command(flatten)]
+        asked: sweep::Asked,
         #[command(flatten)]
         common: Common,
     },
@@ -137,6 +151,7 @@ pub fn main() -> ExitCode {
 fn dispatch(command: Command) -> Result<ExitCode> {
     match command {
         Command::Run { config, common } => run::command(config.as_deref(), &common),
+        Command::Sweep { config, asked, common } => sweep::command(&config, &asked, &common),
         Command::Chart { names, common } => chart::command(&names, &common),
         Command::Inspect { files, common } => inspect::command(&files, &common),
         Command::Validate { common } => validate::command(&common),

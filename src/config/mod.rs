@@ -6,6 +6,7 @@ mod check;
 mod resolve;
 pub mod settings;
 mod source;
+mod sweep;
 
 use std::path::{Path, PathBuf};
 
@@ -16,6 +17,7 @@ use crate::error::{Error, Result};
 
 pub use settings::Settings;
 use source::Source;
+pub use sweep::{Case, Sweep};
 
 /// A configuration that has been read, with everything needed to speak of its keys.
 #[derive(Clone, Debug)]
@@ -47,7 +49,7 @@ impl Config {
         let source = Source::new(place, text);
         toml::from_str::<Settings>(text).map_err(|error| source.explain(&error))?;
         let mut keys: Table = toml::from_str(text).map_err(|error| source.explain(&error))?;
-        let mut settings = effective(&keys).map_err(|(key, problem)| source.error(&key, &problem))?;
+        let mut settings = effective(&keys).map_err(|(key, problem)| source.error(&key, &key, &problem))?;
         for set in sets {
             let (key, value) = parse_set(set)?;
             insert(&mut keys, &key, value).map_err(|problem| Error::config("--set", &key, problem))?;
@@ -71,7 +73,12 @@ impl Config {
 
     /// An error about one of the keys, at its line if the file has it.
     pub fn wrong(&self, key: &str, problem: impl Into<String>) -> Error {
-        self.source.error(key, &problem.into())
+        self.source.error(key, key, &problem.into())
+    }
+
+    /// An error about a key, at the line of another path.
+    fn wrong_at(&self, path: &str, key: &str, problem: &str) -> Error {
+        self.source.error(path, key, problem)
     }
 
     /// A path of the configuration, relative to its file.

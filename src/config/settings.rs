@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+pub use super::sweep::{Durations, Spaced, SweepKeys, Vary};
+
 /// A whole run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -15,7 +17,7 @@ pub struct Settings {
     pub output: Output,
     /// `[sweep]`, for `sungaze sweep` alone.
     #[serde(skip_serializing)]
-    pub sweep: Option<toml::Table>,
+    pub sweep: Option<SweepKeys>,
 }
 
 /// Closed sets of words: the error lists them.

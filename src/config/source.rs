@@ -1,6 +1,6 @@
 //! Where a key stands in the text it was written in.
 
-use toml::de::{DeTable, DeValue};
+use toml::de::{DeArray, DeTable, DeValue};
 
 use crate::error::Error;
 
@@ -16,10 +16,10 @@ impl Source {
         Source { place: place.to_owned(), text: text.to_owned() }
     }
 
-    /// An error about a dotted key, at its line if the text has it.
-    pub(super) fn error(&self, key: &str, problem: &str) -> Error {
+    /// An error about a key, at the line of a dotted path if the text has it.
+    pub(super) fn error(&self, path: &str, key: &str, problem: &str) -> Error {
         let line = DeTable::parse(&self.text).ok().and_then(|table| {
-            let start = start_of(table.get_ref(), key)?;
+            let start = start_of(table.get_ref(), path)?;
             Some(self.line(start))
         });
         match line {
@@ -42,19 +42,27 @@ impl Source {
     }
 }
 
-/// Byte offset of a dotted key.
+/// Byte offset of a dotted path: keys, and numbers of the items of a list. Without a number, the first that fits.
 fn start_of(table: &DeTable<'_>, key: &str) -> Option<usize> {
     let (head, rest) = key.split_once('.').map_or((key, None), |(head, rest)| (head, Some(rest)));
     let (name, value) = table.iter().find(|(name, _)| name.get_ref() == head)?;
     let here = Some(name.span().start);
     match (rest, value.get_ref()) {
         (Some(rest), DeValue::Table(inner)) => start_of(inner, rest).or(here),
-        (Some(rest), DeValue::Array(list)) => {
-            let inner = list.iter().find_map(|item| start_of(item.get_ref().as_table()?, rest));
-            inner.or(here)
-        }
+        (Some(rest), DeValue::Array(list)) => start_in(list, rest).or(here),
         _ => here,
     }
+}
+
+/// Byte offset of a path that begins in a list.
+fn start_in(list: &DeArray<'_>, path: &str) -> Option<usize> {
+    let (head, rest) = path.split_once('.').map_or((path, None), |(head, rest)| (head, Some(rest)));
+    let Ok(number) = head.parse::<usize>() else {
+        return list.iter().find_map(|item| start_of(item.get_ref().as_table()?, path));
+    };
+    let item = list.get(number)?;
+    let inner = rest.and_then(|rest| start_of(item.get_ref().as_table()?, rest));
+    inner.or(Some(item.span().start))
 }
 
 /// The dotted key whose name or value covers a byte offset.

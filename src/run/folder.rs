@@ -60,7 +60,8 @@ fn resume(folder: &Path, config: &Value) -> Result<Prepared> {
     remove(folder, |_| true).map(|()| Prepared::Fresh)
 }
 
-fn same(folder: &Path, earlier: &Value, now: &Value) -> Result<()> {
+/// Refuses other settings than an earlier run's, naming the first key that differs.
+pub(crate) fn same(folder: &Path, earlier: &Value, now: &Value) -> Result<()> {
     match checkpoint::difference(earlier, now) {
         None => Ok(()),
         Some(key) => {

@@ -14,7 +14,7 @@ mod scene;
 pub mod schedule;
 mod video;
 pub mod watch;
-mod writer;
+pub(crate) mod writer;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -30,12 +30,14 @@ use crate::display::{Display, ToneMap};
 use crate::error::{Error, Result};
 use crate::frames;
 use crate::light::{Planes, Samples};
+use crate::plan::Plan;
 use crate::retina::{Model, Retina};
 use crate::units::{Nits, Seconds};
 use crate::viewer::{Look, Viewer};
 
 use checkpoint::Checkpoint;
 use folder::Prepared;
+pub(crate) use folder::same;
 pub use folder::{Existing, not_empty};
 pub use gaze::Gaze;
 use reader::Loaded;
@@ -110,6 +112,7 @@ impl Eye {
         let pixels_per_degree = scene.pixels_per_degree;
         let mut viewer =
             Viewer::new(scene.vision.clone(), config.pigments(), config.model()?, retina, pixels_per_degree);
+        viewer.plan = config.plan();
         viewer.surround = Nits(config.settings.gaze.surround_cd_m2);
         let mut eye = Eye {
             viewer,
@@ -135,6 +138,7 @@ impl Eye {
         self.viewer.retina = retina.ok_or_else(|| Error::file(checkpoint::NAME, "holds a retina of another size"))?;
         self.viewer.first_gaze = c.first_gaze;
         self.viewer.pupil.restore(&c.pupil);
+        self.viewer.plan.restore(&c.plan);
         self.map = self.display.as_ref().and_then(|display| display.restore(c.map)).map(Arc::new);
         (self.counters, self.done) = (c.counters, c.done);
         Ok(())
@@ -153,15 +157,17 @@ impl Eye {
             counters: self.counters.clone(),
         };
         let map = self.map.as_ref().map_or(Vec::new(), |map| map.levels().to_vec());
-        Checkpoint::new(header, retina.fractions().to_vec(), map, self.viewer.pupil.to_numbers())
+        let plan = self.viewer.plan.to_numbers();
+        Checkpoint::new(header, retina.fractions().to_vec(), map, self.viewer.pupil.to_numbers(), plan)
     }
 
     /// The steady state of the first frame, before the first look.
     fn adapt(&mut self, loaded: &Loaded, gaze: [f64; 2], duration: Seconds) {
         let (pupil, model) = (self.viewer.pupil.clone(), self.viewer.model);
+        let plan = std::mem::replace(&mut self.viewer.plan, Plan::new(None));
         self.viewer.model = Model::Steady;
         self.viewer.look(&loaded.frame.planes, &loaded.survey, gaze, duration, None);
-        (self.viewer.pupil, self.viewer.model) = (pupil, model);
+        (self.viewer.pupil, self.viewer.model, self.viewer.plan) = (pupil, model, plan);
     }
 
     /// Looks at one frame and hands over what is to be written of it. `recycled`: a percept to be written over.
@@ -229,7 +235,8 @@ impl Eye {
     }
 }
 
-fn retina_of_file(config: &Config, file: &str, width: usize, height: usize) -> Result<Retina> {
+/// The retina of a state file, which must be of the frames' size.
+pub(crate) fn retina_of_file(config: &Config, file: &str, width: usize, height: usize) -> Result<Retina> {
     let path = config.path(file);
     let planes = frames::read_state(&path, config.settings.input.max_pixels)?;
     if (planes.width, planes.height) != (width, height) {
@@ -261,7 +268,7 @@ fn stages(
     resume: Option<&Checkpoint>,
     watch: &dyn Watch,
 ) -> Result<Spent> {
-    let writer = writer(config, scene, eye, folder)?;
+    let writer = writer(config, scene, &eye.config, folder)?;
     let tables = Tables::open(folder, resume.map(|c| c.lengths))?;
     let steps = &scene.steps[eye.done..];
     let progress = (eye.done, scene.steps.len());
@@ -290,8 +297,9 @@ fn join<T>(thread: std::thread::ScopedJoinHandle<'_, T>) -> T {
     thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
-fn writer<'a>(config: &Config, scene: &Scene, eye: &Eye, folder: &'a Path) -> Result<Writer<'a>> {
-    let digest = format!("{:016x}", fnv1a(eye.config.to_string().as_bytes()));
+/// The writer of a configuration's pictures.
+pub(crate) fn writer<'a>(config: &Config, scene: &Scene, resolved: &Value, folder: &'a Path) -> Result<Writer<'a>> {
+    let digest = digest(resolved.to_string().as_bytes());
     Ok(Writer {
         folder,
         display: config.display(),
@@ -304,8 +312,9 @@ fn writer<'a>(config: &Config, scene: &Scene, eye: &Eye, folder: &'a Path) -> Re
 }
 
 /// FNV-1a: a digest that names a configuration (not a secret).
-fn fnv1a(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, &b| (hash ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3))
+pub(crate) fn digest(bytes: &[u8]) -> String {
+    let fnv1a = |hash: u64, &b: &u8| (hash ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3);
+    format!("{:016x}", bytes.iter().fold(0xcbf2_9ce4_8422_2325, fnv1a))
 }
 
 /// What ties the eye's stage to its neighbours: frames one way, planes to be written over the other.
@@ -376,7 +385,7 @@ fn finish(
         "config": eye.config,
         "version": env!("CARGO_PKG_VERSION"),
         "constants": report::constants(config),
-        "plan": plan(&eye.viewer.model),
+        "plan": eye.viewer.plan.report(eye.viewer.model, &eye.viewer.pigments),
         "check": { "samples": 0, "max_error_p": null, "max_error_catch": null },
         "frames": {
             "count": scene.steps.len(),
@@ -414,8 +423,4 @@ fn film(config: &Config, scene: &Scene, folder: &Path, watch: &dyn Watch) -> Res
         watch.warn(&format!("ffmpeg is not on the PATH; this makes the film where it is: {command}"));
     }
     Ok(())
-}
-
-fn plan(model: &Model) -> Value {
-    json!({ "model": model.name(), "terms": [], "bound_total": 0.0 })
 }

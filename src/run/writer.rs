@@ -125,7 +125,8 @@ impl Writer<'_> {
         Ok(spent)
     }
 
-    fn write(&self, frame: &Finished, spent: &mut Spent) -> Result<()> {
+    /// Writes one frame's pictures and state.
+    pub fn write(&self, frame: &Finished, spent: &mut Spent) -> Result<()> {
         let begun = Instant::now();
         let picture = frame.map.as_ref().map(|map| self.picture(&frame.seen, map));
         spent.display += begun.elapsed();
@@ -148,7 +149,7 @@ impl Writer<'_> {
     }
 
     /// The percept as sRGB bytes.
-    fn picture(&self, seen: &Planes, map: &ToneMap) -> Vec<u8> {
+    pub fn picture(&self, seen: &Planes, map: &ToneMap) -> Vec<u8> {
         let width = seen.width;
         let mut bytes = vec![0; 3 * width * seen.height];
         let scratch = || (vec![0.0; 3 * width], vec![0.0; 3 * width]);

@@ -1,0 +1,211 @@
+//! `contact.png`: the display pictures of all cells on one sheet, durations across, cases down.
+//!
+//! A sheet is as wide as a page of print needs, whatever it holds. One case alone is laid out in several rows of
+//! larger pictures, each with its duration below.
+
+use std::path::Path;
+
+use crate::chart::draw::{Anchor, Sheet};
+use crate::chart::palette::BLACK;
+use crate::config::{Case, Sweep};
+use crate::error::{Error, Result};
+use crate::frames;
+use crate::sweep::folder::Left;
+
+/// Width of a sheet, pixels: two for each unit of type.
+const WIDTH: usize = 2400;
+/// Between pictures, and around the sheet, pixels.
+const GAP: usize = 16;
+/// More pictures than this side by side could not be told apart on a page.
+const MOST_ACROSS: usize = 12;
+/// Cases beyond these are in the table only.
+pub const MOST_CASES: usize = 100;
+
+/// How many pictures stand side by side.
+fn columns(cases: usize, durations: usize) -> usize {
+    if cases > 1 {
+        return durations.div_ceil(durations.div_ceil(MOST_ACROSS));
+    }
+    if durations <= 4 {
+        return durations;
+    }
+    let square = (durations as f64).sqrt().ceil() as usize;
+    let even = (square..=2 * square).find(|columns| durations.is_multiple_of(*columns));
+    even.unwrap_or(square)
+}
+
+/// The square that a picture of a sweep's sheet must fit into, pixels.
+pub fn side(sweep: &Sweep) -> usize {
+    let columns = columns(sweep.cases.len(), sweep.durations.len());
+    (WIDTH - (columns + 1) * GAP) / columns
+}
+
+/// Where everything stands on a sheet, pixels.
+struct Layout {
+    columns: usize,
+    /// Rows of pictures that one case takes.
+    rows: usize,
+    /// Width of a column.
+    across: usize,
+    width: usize,
+    /// Height of a line of words.
+    line: usize,
+    /// Durations stand below each picture instead of above each column.
+    below: bool,
+    /// Cases have a caption.
+    captions: bool,
+}
+
+impl Layout {
+    fn new(sweep: &Sweep, side: usize, left: &[Left]) -> Self {
+        let columns = columns(sweep.cases.len(), sweep.durations.len());
+        let rows = sweep.durations.len().div_ceil(columns);
+        let across = left.iter().map(|case| case.done.size[0] * enlarged(case, side)).max().unwrap_or(1).max(120);
+        let width = columns * across + (columns + 1) * GAP;
+        let captions = !sweep.keys.is_empty();
+        let line = (width / 44).clamp(26, 60) & !1;
+        Layout { columns, rows, across, width, line, below: rows > 1 || !captions, captions }
+    }
+
+    /// Left edge of a column.
+    fn x(&self, column: usize) -> usize {
+        GAP + column * (self.across + GAP)
+    }
+
+    /// Height of type, units.
+    fn size(&self) -> u32 {
+        (self.line as f64 / 2.0 / 1.5).round() as u32
+    }
+}
+
+/// How many times each pixel of a small picture is repeated.
+fn enlarged(case: &Left, side: usize) -> usize {
+    (side / case.done.size[0].max(case.done.size[1])).max(1)
+}
+
+/// Writes the sheet.
+pub fn write(path: &Path, sweep: &Sweep, left: &[Left]) -> Result<()> {
+    let shown = &left[..left.len().min(MOST_CASES)];
+    let side = side(sweep);
+    let layout = Layout::new(sweep, side, shown);
+    let mut places = Vec::new();
+    let mut words = Words(Vec::new());
+    let mut y = GAP;
+    if !layout.below {
+        for (i, &duration) in sweep.durations.iter().enumerate() {
+            words.centred(&layout, i, y, duration);
+        }
+        y += layout.line;
+    }
+    for (case, left) in sweep.cases.iter().zip(shown) {
+        if layout.captions {
+            words.caption(&layout, y, &caption(&sweep.keys, case));
+            y += layout.line;
+        }
+        let height = left.done.size[1] * enlarged(left, side);
+        for row in 0..layout.rows {
+            for column in 0..layout.columns.min(sweep.durations.len() - row * layout.columns) {
+                let cell = row * layout.columns + column;
+                places.push((left, cell, [layout.x(column), y]));
+                if layout.below {
+                    words.centred(&layout, column, y + height, sweep.durations[cell]);
+                }
+            }
+            y += height + if layout.below { layout.line + GAP / 2 } else { GAP };
+        }
+    }
+    if shown.len() < left.len() {
+        words.caption(&layout, y, &format!("the first {} of {} cases", shown.len(), left.len()));
+        y += layout.line;
+    }
+    let height = (y + GAP / 2).next_multiple_of(2);
+    let refused = |problem: String| Error::file(path, problem);
+    let mut sheet = words.drawn(&layout, height).map_err(refused)?;
+    for (left, cell, at) in places {
+        paste(&mut sheet, layout.width, left, enlarged(left, side), layout.across, cell, at);
+    }
+    frames::write_png(path, layout.width, height, &sheet)
+}
+
+/// Words of a sheet: where, what, whether centred.
+struct Words(Vec<([f64; 2], String, bool)>);
+
+impl Words {
+    fn centred(&mut self, layout: &Layout, column: usize, y: usize, duration: f64) {
+        let x = layout.x(column) as f64 + 0.5 * layout.across as f64;
+        self.0.push(([x, y as f64], seconds(duration), true));
+    }
+
+    /// A line from the left edge; what has no room is cut off.
+    fn caption(&mut self, layout: &Layout, y: usize, words: &str) {
+        let room = (1.8 * (layout.width - 2 * GAP) as f64 / 2.0 / f64::from(layout.size())) as usize;
+        let cut = if words.chars().count() > room {
+            words.chars().take(room.saturating_sub(1)).chain(['…']).collect()
+        } else {
+            words.to_owned()
+        };
+        self.0.push(([GAP as f64, y as f64], cut, false));
+    }
+
+    /// A white sheet with these words, 8-bit RGB.
+    fn drawn(&self, layout: &Layout, height: usize) -> Result<Vec<u8>, String> {
+        let mut sheet = Sheet::new(layout.width as f64 / 2.0, height as f64 / 2.0);
+        for ([x, y], words, centred) in &self.0 {
+            let at = (x / 2.0, (y + 0.72 * layout.line as f64) / 2.0);
+            let anchor = if *centred { Anchor::Middle } else { Anchor::Start };
+            sheet.text(at, words, layout.size(), anchor, BLACK);
+        }
+        let drawn = frames::decode_png(&sheet.png()?).filter(|drawn| (drawn.0, drawn.1) == (layout.width, height));
+        drawn.map(|drawn| drawn.2).ok_or_else(|| "the words of the sheet could not be drawn".into())
+    }
+}
+
+/// Puts a cell's picture into its column of the sheet.
+fn paste(sheet: &mut [u8], width: usize, left: &Left, times: usize, across: usize, cell: usize, [x, y]: [usize; 2]) {
+    let [w, h] = left.done.size;
+    let x = x + (across - w * times) / 2;
+    let picture = left.pictures.chunks_exact(3 * w).skip(cell * h).take(h);
+    for (i, row) in picture.enumerate() {
+        let wide: Vec<u8> = row.chunks_exact(3).flat_map(|pixel| pixel.repeat(times)).collect();
+        for repeat in 0..times {
+            let begin = 3 * ((y + i * times + repeat) * width + x);
+            sheet[begin..begin + wide.len()].copy_from_slice(&wide);
+        }
+    }
+}
+
+/// What sets a case apart: the last words of its keys with their values.
+pub fn caption(keys: &[String], case: &Case) -> String {
+    let short = |key: &str| key.rsplit('.').next().unwrap_or(key).to_owned();
+    let pairs: Vec<String> =
+        keys.iter().zip(&case.values).map(|(key, value)| format!("{} = {value}", short(key))).collect();
+    format!("{}:  {}", case.number, pairs.join(",  "))
+}
+
+/// A duration in three digits.
+pub fn seconds(duration: f64) -> String {
+    if duration >= 1e5 {
+        return format!("{duration:.0e} s");
+    }
+    let digits = (2.0 - duration.log10().floor()).clamp(0.0, 9.0) as usize;
+    let text = if duration == 0.0 { "0".into() } else { format!("{duration:.digits$}") };
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    format!("{text} s")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations_read_as_a_person_writes_them() {
+        let written = [0.0, 0.3, 1.0, 30.0, 0.031_622_776, 316.227, 1000.0, 1e6, 0.01].map(seconds);
+        assert_eq!(written, ["0 s", "0.3 s", "1 s", "30 s", "0.0316 s", "316 s", "1000 s", "1e6 s", "0.01 s"]);
+    }
+
+    #[test]
+    fn one_case_is_laid_out_in_even_rows_and_many_in_one_row_each() {
+        assert_eq!([1, 3, 6, 8, 16, 64].map(|durations| columns(1, durations)), [1, 3, 3, 4, 4, 8]);
+        assert_eq!([1, 6, 12, 13, 64].map(|durations| columns(5, durations)), [1, 6, 12, 7, 11]);
+    }
+}

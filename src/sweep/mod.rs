@@ -1,0 +1,241 @@
+//! A sweep: exposure durations times any lists of values, into a table, a contact sheet and a plot.
+//!
+//! All durations of a case share one pass through time, and all cases that see the same still share its light. What
+//! a case leaves lies in its own folder; the sheet, the table and the plot are always made from those folders. So
+//! the same files come out whether one process ran all cases, or many ran one each, or one was killed half-way.
+
+mod contact;
+mod eye;
+mod folder;
+mod light;
+mod pass;
+mod plot;
+mod reduced;
+mod table;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+
+use crate::colour::chromaticity;
+use crate::config::settings::DisplayFile;
+use crate::config::{Case, Config, Sweep};
+use crate::display::ToneMap;
+use crate::error::{Error, Result};
+use crate::frames::atomic;
+use crate::run::writer::{Finished, Spent};
+use crate::run::{self, Existing, Scene, Watch};
+use crate::units::Seconds;
+
+use eye::Eye;
+use folder::{Folder, Left, Steady};
+use light::{Key, Lit};
+use pass::Span;
+
+/// Which part of a sweep to do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Every case that is not finished, then the files made of all.
+    All,
+    /// One case.
+    Index(usize),
+    /// The files made of all cases, which must be finished.
+    Merge,
+}
+
+/// What a sweep left.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Cases that were run now.
+    pub ran: usize,
+    /// Cases that were finished already.
+    pub kept: usize,
+    /// `sweep.csv`, unless only one case was run.
+    pub table: Option<PathBuf>,
+}
+
+/// Runs a sweep, or a part of it, into a folder.
+pub fn sweep(config: &Config, path: &Path, existing: Existing, part: Part, watch: &dyn Watch) -> Result<Outcome> {
+    let sweep = config.sweep()?;
+    let asked = asked(&sweep, part)?;
+    let opened = asked.iter().map(|case| Opened::new(case, &sweep)).collect::<Result<Vec<_>>>()?;
+    let only = (part != Part::All).then(|| asked.first().map_or(usize::MAX, |case| case.number));
+    let folder = Folder::prepare(path, existing, config, &sweep, only)?;
+    let (kept, pending): (Vec<_>, Vec<_>) =
+        opened.into_iter().partition(|opened| folder.is_finished(opened.case.number));
+    warn_of_display(&sweep, watch);
+    let cells = Cells { sweep: &sweep, folder: &folder, watch, side: contact::side(&sweep), done: AtomicUsize::new(0) };
+    cells.run(&pending)?;
+    let table = if let Part::Index(_) = part { None } else { Some(gather(&sweep, &folder)?) };
+    Ok(Outcome { ran: pending.len(), kept: kept.len(), table })
+}
+
+/// The cases that a part of a sweep runs.
+fn asked(sweep: &Sweep, part: Part) -> Result<Vec<&Case>> {
+    match part {
+        Part::All => Ok(sweep.cases.iter().collect()),
+        Part::Merge => Ok(Vec::new()),
+        Part::Index(number) => sweep.cases.get(number).map(|case| vec![case]).ok_or_else(|| {
+            let last = sweep.cases.len() - 1;
+            Error::config("--index", number.to_string(), format!("the sweep has the cases 0 to {last}"))
+        }),
+    }
+}
+
+/// All cells share one display map, the first case's.
+fn warn_of_display(sweep: &Sweep, watch: &dyn Watch) {
+    let of_map = ["tone", "ceiling", "exposure_ev", "white_cd_m2", "smoothing_s"].map(|key| format!("display.{key}"));
+    for key in sweep.keys.iter().filter(|key| of_map.contains(key)) {
+        watch.warn(&format!("{key} is varied without effect: all cells share the display map of the first case"));
+    }
+}
+
+/// A case whose frames have been found.
+struct Opened<'a> {
+    case: &'a Case,
+    scene: Scene,
+    spans: Vec<Span>,
+}
+
+impl<'a> Opened<'a> {
+    fn new(case: &'a Case, sweep: &Sweep) -> Result<Self> {
+        let open = || {
+            let scene = Scene::open(&case.config)?;
+            let spans = pass::spans(&case.config, &scene, &sweep.durations)?;
+            Ok(Opened { case, scene, spans })
+        };
+        open().map_err(|error| case.located(error))
+    }
+
+    fn first_file(&self) -> usize {
+        self.spans.first().map_or(0, |span| span.file)
+    }
+
+    fn is_still(&self) -> bool {
+        self.scene.footage.len() == 1
+    }
+}
+
+/// The cells of a sweep that are being made.
+struct Cells<'a> {
+    sweep: &'a Sweep,
+    folder: &'a Folder,
+    watch: &'a dyn Watch,
+    /// The square that a picture of the sheet must fit into, pixels.
+    side: usize,
+    done: AtomicUsize,
+}
+
+impl Cells<'_> {
+    /// Runs cases: those that see one light together, one light after the other. Cases that need only little
+    /// memory beside their light run side by side.
+    fn run(&self, pending: &[Opened]) -> Result<()> {
+        if pending.is_empty() {
+            return Ok(());
+        }
+        let first = Opened::new(&self.sweep.cases[0], self.sweep)?;
+        let mut held = (light::key(&first.case.config, &first.scene), self.lit(&first)?);
+        let map = first.case.config.display().follow(None, &held.1.survey, Seconds(0.0));
+        let (map, cells) = (Arc::new(map), pending.len() * self.sweep.durations.len());
+        for (key, group) in groups(pending) {
+            if held.0 != key {
+                drop(held);
+                held = (key, self.lit(group[0])?);
+            }
+            let run = |opened: &&Opened| self.case(opened, &held.1, &map, cells);
+            if !self.sweep.pictures && group[0].is_still() {
+                group.par_iter().try_for_each(run)?;
+            } else {
+                group.iter().try_for_each(run)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn lit(&self, opened: &Opened) -> Result<Arc<Lit>> {
+        light::lit(&opened.scene, opened.first_file(), self.side)
+    }
+
+    /// One pass of one case.
+    fn case(&self, opened: &Opened, first: &Arc<Lit>, map: &Arc<ToneMap>, cells: usize) -> Result<()> {
+        let Opened { case, scene, spans } = opened;
+        let path = self.folder.begin(case.number)?;
+        let writer = run::writer(&case.config, scene, &run::resolved(&case.config.settings), &path)?;
+        let mut eye = Eye::new(case, scene, first, self.sweep.pictures, spans.len())?;
+        let (mut file, mut light) = (opened.first_file(), first.clone());
+        let (mut rows, mut pictures, mut steady) = (table::header(&self.sweep.keys), Vec::new(), Vec::new());
+        for span in spans {
+            if self.watch.interrupted() {
+                return Err(Error::Interrupted { checkpoint: path });
+            }
+            if span.file != file {
+                (file, light) = (span.file, light::lit(scene, span.file, self.side)?);
+            }
+            let sight = eye.watch(&light, span);
+            let Some(cell) = span.cell else { continue };
+            rows += &table::rows(case.number, self.sweep.durations[cell], &case.values, &sight.readings);
+            pictures.extend(writer.picture(&sight.small, map));
+            steady = sight.steady;
+            if let Some(seen) = sight.seen.filter(|_| self.sweep.pictures) {
+                writer.write(&finished(case, cell, seen, map), &mut Spent::default())?;
+            }
+            self.watch.frames(self.done.fetch_add(1, Ordering::Relaxed) + 1, cells);
+        }
+        let steady = steady
+            .iter()
+            .map(|reading| Steady { bleached: reading.p.map(|p| 1.0 - p), chromaticity: chromaticity(reading.xyz) });
+        let size = [first.small.width, first.small.height];
+        self.folder.finish(case.number, &rows, &pictures, size, steady.collect())
+    }
+}
+
+/// The pictures of a cell, numbered from 1 in the order of durations.
+fn finished(case: &Case, cell: usize, seen: crate::light::Planes, map: &Arc<ToneMap>) -> Finished {
+    let shown = case.config.settings.output.display == DisplayFile::Png;
+    Finished {
+        number: cell as u32 + 1,
+        seen,
+        map: shown.then(|| map.clone()),
+        state: None,
+        trace: String::new(),
+        probes: String::new(),
+    }
+}
+
+/// Cases by the light that they see, in order of their first case.
+fn groups<'a, 'b>(opened: &'b [Opened<'a>]) -> Vec<(Key, Vec<&'b Opened<'a>>)> {
+    let mut groups: Vec<(Key, Vec<&Opened>)> = Vec::new();
+    for one in opened {
+        let key = light::key(&one.case.config, &one.scene);
+        match groups.iter_mut().find(|group| group.0 == key) {
+            Some(group) => group.1.push(one),
+            None => groups.push((key, vec![one])),
+        }
+    }
+    groups
+}
+
+/// Makes the table, the sheet and the plot of all cases; returns where the table is.
+fn gather(sweep: &Sweep, folder: &Folder) -> Result<PathBuf> {
+    let missing: Vec<String> =
+        (0..sweep.cases.len()).filter(|&n| !folder.is_finished(n)).map(|n| n.to_string()).collect();
+    if !missing.is_empty() {
+        let (count, first) = (missing.len(), &missing[..missing.len().min(10)]);
+        let problem =
+            format!("{count} of {} cases are not finished: run --index {}", sweep.cases.len(), first.join(", "));
+        return Err(Error::file(&folder.path, problem));
+    }
+    let left = (0..sweep.cases.len()).map(|number| folder.left(number)).collect::<Result<Vec<Left>>>()?;
+    let mut all = table::header(&sweep.keys);
+    for case in &left {
+        all.extend(case.rows.split_inclusive('\n').skip(1));
+    }
+    let table = folder.path.join(folder::TABLE);
+    atomic::write_text(&table, &all)?;
+    contact::write(&folder.path.join(folder::CONTACT), sweep, &left)?;
+    plot::write(&folder.path.join(folder::PLOT), sweep, &left)?;
+    folder.tidy()?;
+    Ok(table)
+}

@@ -1,0 +1,291 @@
+//! Sweeps: their numbers against the closed form, and their files whichever way the cases were run.
+
+use std::collections::HashMap;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
+
+use sungaze::config::Config;
+use sungaze::kinetics::{Kinetics, Law};
+use sungaze::run::{Existing, Unwatched};
+use sungaze::sweep::{self, Part};
+use sungaze::units::{Seconds, Trolands};
+
+const SMALL: &str = "[input]\nwidth = 64\n[sweep]\npictures = false\n";
+
+fn program(folder: &Path, arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sungaze"));
+    command.current_dir(folder).arg("sweep").args(arguments).arg("--quiet");
+    command
+}
+
+fn sungaze(folder: &Path, arguments: &[&str]) -> Output {
+    program(folder, arguments).output().expect("the program starts")
+}
+
+fn told(output: &Output) -> String {
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(!text.contains("panicked"), "{text}");
+    text
+}
+
+fn succeeds(folder: &Path, arguments: &[&str]) {
+    let output = sungaze(folder, arguments);
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", told(&output));
+}
+
+/// The table of a sweep as rows by column name.
+fn table(toml: &str) -> Vec<HashMap<String, f64>> {
+    let folder = tempfile::tempdir().unwrap();
+    let config = Config::parse(toml, "test", "test", folder.path(), &[]).unwrap();
+    let out = folder.path().join("out");
+    let outcome = sweep::sweep(&config, &out, Existing::Refuse, Part::All, &Unwatched).unwrap();
+    let text = std::fs::read_to_string(outcome.table.unwrap()).unwrap();
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next().unwrap().rsplitn(12, ',').take(11).collect();
+    let numbers = |line: &str| {
+        let last = names.iter().zip(line.rsplitn(12, ',')).map(|(name, v)| ((*name).to_owned(), v.parse().unwrap()));
+        last.chain([("duration_s".to_owned(), line.split(',').nth(1).unwrap().parse().unwrap())]).collect()
+    };
+    lines.map(numbers).collect()
+}
+
+fn triple(row: &HashMap<String, f64>, name: &str) -> [f64; 3] {
+    ["L", "M", "S"].map(|cone| row[&format!("{name}_{cone}")])
+}
+
+/// Everything in a folder, by path.
+fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        if path.is_dir() {
+            found.extend(files(&path).into_iter().map(|(inner, bytes)| (format!("{name}/{inner}"), bytes)));
+        } else {
+            found.push((name, std::fs::read(&path).unwrap()));
+        }
+    }
+    found.sort();
+    found
+}
+
+#[test]
+fn every_duration_has_the_closed_form_of_the_light_that_it_reports() {
+    let rows = table(&format!(
+        "{SMALL}durations_s = [0, 1e-6, 0.01, 0.3, 1, 30, 1e3, 1e6]\n[[sweep.vary]]\nkey = \"input.sun_elevation_deg\"\nvalues = [0.25, 10]\n\
+         [[sweep.vary]]\nkey = \"gaze.at\"\nvalues = [[0.5, 0.5], [0.1, 0.1]]\n"
+    ));
+    assert_eq!(rows.len(), 4 * 8);
+    for row in &rows {
+        let (t, light, p) = (row["duration_s"], triple(row, "I"), triple(row, "p"));
+        for (k, half_bleach) in [10f64.powf(4.3), 10f64.powf(4.3), 1e5].into_iter().enumerate() {
+            let a = 1.0 + light[k] / half_bleach;
+            let expected = 1.0 / a + (1.0 - 1.0 / a) * (-t / 120.0 * a).exp();
+            assert!((p[k] - expected).abs() < 1e-5, "{t} s, {} td: {} for {expected}", light[k], p[k]);
+        }
+        assert!(t > 0.0 || p == [1.0; 3], "the start is unbleached");
+    }
+}
+
+#[test]
+fn the_nonlinear_laws_stay_within_budget_of_a_thousand_substeps() {
+    for law in ["self-screened", "rate-limited"] {
+        let rows = table(&format!(
+            "{SMALL}durations_s = [0.03, 1, 2, 40, 200, 1e4]\n[observer]\nkinetics = \"{law}\"\n[[sweep.vary]]\nkey = \"gaze.at\"\nvalues = [[0.5, 0.5], [0.1, 0.1]]\n"
+        ));
+        let density = [0.38, 0.38, 0.30];
+        for row in &rows {
+            let (light, p) = (triple(row, "I"), triple(row, "p"));
+            for k in 0..3 {
+                let law =
+                    if law == "self-screened" { Law::self_screened(density[k]) } else { Law::RateLimited { km: 0.2 } };
+                let half_bleach = Trolands([10f64.powf(4.3), 10f64.powf(4.3), 1e5][k]);
+                let pigment = Kinetics { law, half_bleach, tau: Seconds(120.0) };
+                let truth = finely(&pigment, light[k], row["duration_s"]);
+                assert!((p[k] - truth).abs() < 1e-3, "{} for {truth}, {row:?}", p[k]);
+            }
+        }
+    }
+}
+
+/// p after a rest and then held light, by steps that grow from 1e-9 of the time constant.
+fn finely(pigment: &Kinetics, light: f64, until: f64) -> f64 {
+    let (mut p, mut now) = (1.0, 0.0);
+    let mut step: f64 = 1e-9;
+    while now < until {
+        let h = step.min(until - now);
+        p = sungaze::step::advance(pigment, p, Trolands(light), Seconds(h), 4);
+        (now, step) = (now + h, step * 1.01);
+    }
+    p
+}
+
+#[test]
+fn one_process_an_array_of_jobs_and_any_number_of_threads_leave_the_same_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "[input]\nwidth = 64\n[sweep]\ndurations_s = [0, 0.5, 2]\n[[sweep.vary]]\nkey = \"observer.half_bleach_log_td\"\n\
+                values = [[4.3, 4.3, 5.0], [3.89, 3.89, 3.89]]\n[[sweep.vary]]\nkey = \"input.sun_elevation_deg\"\nvalues = [0.5, 2]\n";
+    std::fs::write(folder.path().join("s.toml"), text).unwrap();
+    succeeds(folder.path(), &["s.toml", "--out", "one", "--threads", "1"]);
+    for index in ["3", "0", "2", "1"] {
+        succeeds(folder.path(), &["s.toml", "--out", "many", "--index", index, "--threads", "3"]);
+    }
+    succeeds(folder.path(), &["s.toml", "--out", "many", "--merge"]);
+    let (one, many) = (files(&folder.path().join("one")), files(&folder.path().join("many")));
+    let names = |files: &[(String, Vec<u8>)]| files.iter().map(|file| file.0.clone()).collect::<Vec<_>>();
+    assert_eq!(names(&one), names(&many));
+    for name in ["sweep.csv", "contact.png", "sweep.svg", "case.0003/seen.0003.exr", "case.0000/display.0001.png"] {
+        assert!(names(&one).contains(&name.to_owned()), "{name} of {:?}", names(&one));
+    }
+    assert!(one.iter().zip(&many).all(|(a, b)| a.1 == b.1));
+    let table = std::fs::read_to_string(folder.path().join("one/sweep.csv")).unwrap();
+    let head = "case,duration_s,observer.half_bleach_log_td,input.sun_elevation_deg,probe,I_L,I_M,I_S,p_L,p_M,p_S,X,Y,Z,x,y\n\
+                0,0,\"[4.3, 4.3, 5.0]\",0.5,gaze,";
+    assert!(table.starts_with(head), "{table}");
+    assert_eq!(table.lines().count(), 1 + 4 * 3);
+}
+
+#[test]
+fn a_sweep_killed_at_any_moment_and_run_again_is_as_if_never_stopped() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "[input]\nwidth = 160\n[sweep]\ndurations_s = { from = 0.1, to = 10, count = 6 }\n[[sweep.vary]]\nkey = \"observer.age\"\nvalues = [20, 40, 60, 80]\n";
+    std::fs::write(folder.path().join("s.toml"), text).unwrap();
+    succeeds(folder.path(), &["s.toml", "--out", "whole"]);
+    for milliseconds in [5, 40, 90, 170, 300] {
+        let mut child = program(folder.path(), &["s.toml", "--out", "killed"])
+            .stderr(Stdio::null())
+            .stdout(Stdio::null())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(Duration::from_millis(milliseconds));
+        let _ = child.kill();
+        child.wait().unwrap();
+    }
+    succeeds(folder.path(), &["s.toml", "--out", "killed", "--resume"]);
+    assert_eq!(files(&folder.path().join("whole")), files(&folder.path().join("killed")));
+}
+
+#[test]
+fn finished_cases_are_kept_and_other_settings_are_refused_with_their_key() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("s.toml"), format!("{SMALL}durations_s = [0, 1]\n")).unwrap();
+    succeeds(folder.path(), &["s.toml", "--out", "o"]);
+    let cells = folder.path().join("o/case.0000/cells.csv");
+    let written = std::fs::metadata(&cells).unwrap().modified().unwrap();
+    succeeds(folder.path(), &["s.toml", "--out", "o"]);
+    assert_eq!(std::fs::metadata(&cells).unwrap().modified().unwrap(), written);
+    for (set, key) in [("observer.age=50", "observer.age"), ("sweep.durations_s=[0, 2]", "sweep.durations_s")] {
+        let refused = sungaze(folder.path(), &["s.toml", "--out", "o", "--set", set]);
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(told(&refused).contains(key), "{}", told(&refused));
+    }
+    succeeds(folder.path(), &["s.toml", "--out", "o", "--set", "observer.age=50", "--overwrite"]);
+    std::fs::create_dir(folder.path().join("mine")).unwrap();
+    std::fs::write(folder.path().join("mine/letter.txt"), "dear").unwrap();
+    let refused = sungaze(folder.path(), &["s.toml", "--out", "mine"]);
+    assert!(refused.status.code() == Some(2) && told(&refused).contains("letter.txt"), "{}", told(&refused));
+}
+
+#[test]
+fn a_merge_of_unfinished_cases_names_them_and_an_index_past_the_end_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = format!("{SMALL}durations_s = [1]\n[[sweep.vary]]\nkey = \"observer.age\"\nvalues = [20, 40, 60]\n");
+    std::fs::write(folder.path().join("s.toml"), text).unwrap();
+    succeeds(folder.path(), &["s.toml", "--out", "o", "--index", "1"]);
+    let merge = sungaze(folder.path(), &["s.toml", "--out", "o", "--merge"]);
+    assert!(merge.status.code() == Some(1) && told(&merge).contains("--index 0, 2"), "{}", told(&merge));
+    let beyond = sungaze(folder.path(), &["s.toml", "--out", "o", "--index", "3"]);
+    assert!(beyond.status.code() == Some(2) && told(&beyond).contains("0 to 2"), "{}", told(&beyond));
+    let list = sungaze(folder.path(), &["s.toml", "--list"]);
+    let lines = String::from_utf8(list.stdout).unwrap();
+    assert_eq!(lines, "0  observer.age = 20\n1  observer.age = 40\n2  observer.age = 60\n");
+}
+
+#[test]
+fn a_pattern_without_files_is_refused_at_its_line_or_at_the_value_that_names_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let base = "[input]\nhorizontal_fov_deg = 8\nframes = \"no.####.exr\"\n[sweep]\ndurations_s = [1]\n";
+    let varied = format!("{base}[[sweep.vary]]\nkey = \"input.frames\"\nvalues = [\n\"nor.####.exr\"]\n");
+    for (text, line) in [(base, 3), (&varied, 9)] {
+        std::fs::write(folder.path().join("s.toml"), text).unwrap();
+        let refused = sungaze(folder.path(), &["s.toml", "--out", "o"]);
+        assert_eq!(refused.status.code(), Some(2));
+        assert!(told(&refused).contains(&format!("s.toml:{line}: input.frames: ")), "{}", told(&refused));
+    }
+}
+
+/// Three small frames that differ, and a gaze that wanders over them.
+fn write_sequence(folder: &Path) {
+    use sungaze::frames::{About, Compression, write_exr};
+    use sungaze::light::{Planes, Samples};
+    for frame in 1..=3u32 {
+        let mut planes = Planes::float(24, 16, 3);
+        if let Samples::Float(samples) = &mut planes.samples {
+            samples.iter_mut().enumerate().for_each(|(i, v)| *v = (i * 31 % 97 * frame as usize) as f32);
+        }
+        let about = About { white: Some(sungaze::units::Nits(2000.0)), ..About::default() };
+        write_exr(&folder.join(format!("f.{frame:04}.exr")), &["R", "G", "B"], &planes, Compression::Zip, &about)
+            .unwrap();
+    }
+    std::fs::write(folder.join("gaze.csv"), "time_s,x,y\n0,0.5,0.5\n3,0.8,0.3\n").unwrap();
+}
+
+const SEQUENCE: &str = "[input]\nframes = \"f.####.exr\"\nhorizontal_fov_deg = 8\n[time]\nfps = 1\n[gaze]\npath = \"gaze.csv\"\n\
+                        [[output.probe]]\nname = \"a\"\nat = [0.3, 0.4]\n[[output.probe]]\nname = \"b\"\nat = [0.9, 0.1]\n";
+
+fn samples(path: &Path) -> sungaze::light::Samples {
+    let footage = sungaze::frames::open(&[path.to_owned()], &Default::default()).unwrap();
+    footage.read(0, None, None).unwrap().planes.samples
+}
+
+#[test]
+fn a_sequence_looked_at_where_its_frames_end_is_a_run() {
+    let folder = tempfile::tempdir().unwrap();
+    write_sequence(folder.path());
+    let text = format!("{SEQUENCE}[sweep]\ndurations_s = [0, 0.25, 1, 3]\n");
+    let config = Config::parse(&text, "test", "test", folder.path(), &[]).unwrap();
+    let (swept, ran) = (folder.path().join("swept"), folder.path().join("ran"));
+    sweep::sweep(&config, &swept, Existing::Refuse, Part::All, &Unwatched).unwrap();
+    let table = std::fs::read_to_string(swept.join("sweep.csv")).unwrap();
+    sungaze::run::run(&config, &ran, Existing::Refuse, &Unwatched).unwrap();
+    let probes = std::fs::read_to_string(ran.join("probes.csv")).unwrap();
+    let ends: Vec<&str> = probes.lines().filter(|row| row.starts_with("1,1,") || row.starts_with("3,3,")).collect();
+    let looks: Vec<&str> = table.lines().filter(|row| row.starts_with("0,1,") || row.starts_with("0,3,")).collect();
+    assert_eq!((ends.len(), looks.len()), (4, 4));
+    let numbers = |row: &str| row.split(',').skip(3).map(|v| v.parse::<f64>().unwrap()).collect::<Vec<_>>();
+    for (end, look) in ends.iter().zip(&looks) {
+        // The first frame is cut at 0.25 s, so the last bits of p may differ.
+        let pairs: Vec<(f64, f64)> = numbers(end).into_iter().zip(numbers(look)).collect();
+        assert!(pairs.iter().all(|(a, b)| (a - b).abs() <= 1e-6 * a.abs()), "{end}\n{look}");
+    }
+    let (a, b) = (samples(&swept.join("case.0000/seen.0004.exr")), samples(&ran.join("seen.0003.exr")));
+    let (sungaze::light::Samples::Float(a), sungaze::light::Samples::Float(b)) = (a, b) else {
+        panic!("float in, float out")
+    };
+    assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() <= 1e-4 * b.abs().max(1.0)));
+    assert!(swept.join("case.0000/display.0001.png").exists());
+}
+
+#[test]
+fn a_sequence_that_ends_before_the_last_duration_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    write_sequence(folder.path());
+    std::fs::write(folder.path().join("s.toml"), format!("{SEQUENCE}[sweep]\ndurations_s = [1, 3.5]\n")).unwrap();
+    let refused = sungaze(folder.path(), &["s.toml", "--out", "o"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(told(&refused).contains("sweep.durations_s: found 3.5, but the frames end at 3 s"), "{}", told(&refused));
+}
+
+#[test]
+fn the_probes_of_a_still_do_not_depend_on_pictures_and_its_start_may_be_adapted() {
+    let with = |pictures: bool, start: &str| {
+        table(&format!(
+            "[input]\nwidth = 64\n[observer]\nstart = \"{start}\"\n[sweep]\ndurations_s = [0, 1, 20]\npictures = {pictures}\n"
+        ))
+    };
+    assert_eq!(with(true, "rested"), with(false, "rested"));
+    let adapted = with(false, "adapted");
+    assert!(adapted.windows(2).all(|rows| (rows[0]["p_L"] - rows[1]["p_L"]).abs() < 1e-12));
+    assert!(adapted[0]["p_L"] < 0.5);
+}
