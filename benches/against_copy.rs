@@ -1,7 +1,7 @@
 //! `cargo bench --bench against_copy`: how much longer each case takes than a copy of as many bytes. Case and copy
 //! take turns, so that both meet the same noise; a row is the median of both and of their ratio.
 //!
-//! Arguments: megapixels (all five sizes by default).
+//! Arguments: megapixels (all five sizes by default) and words that a case's name must hold.
 
 mod cases;
 
@@ -13,6 +13,8 @@ const SIZES: [f64; 5] = [0.1, 0.25, 1.0, 2.0, 8.0];
 
 fn main() {
     let asked: Vec<f64> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
+    let words: Vec<String> =
+        std::env::args().skip(1).filter(|a| a.parse::<f64>().is_err() && !a.starts_with('-')).collect();
     let sizes = if asked.is_empty() { SIZES.to_vec() } else { asked };
     println!("| case | threads | megapixels | ms | copy, ms | ratio |\n|---|---|---|---|---|---|");
     for threads in [1, 2] {
@@ -20,6 +22,9 @@ fn main() {
         let Ok(pool) = pool else { return };
         for &megapixels in &sizes {
             for mut case in cases::all(megapixels) {
+                if !words.iter().all(|word| case.name.contains(word)) {
+                    continue;
+                }
                 let mut copy = cases::copy(case.bytes);
                 let (ours, copied, ratio) = pool.install(|| in_turns(&mut case.work, &mut copy));
                 println!(

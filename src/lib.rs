@@ -70,11 +70,15 @@ pub mod frames;
 pub mod kernel;
 pub mod kinetics;
 pub mod light;
+#[doc = include_str!("paper.md")]
+pub mod paper {}
 pub mod percept;
+pub mod plan;
 pub mod retina;
 pub mod run;
 pub mod spectrum;
 pub mod step;
 pub mod sweep;
 pub mod units;
+pub mod validate;
 pub mod viewer;

@@ -8,7 +8,8 @@
 //!   onto the few inner products that the retina and the percept need; those are the planes.
 
 use half::f16;
-use half::slice::HalfFloatSliceExt;
+
+use crate::kernel;
 
 /// Samples of all planes, in the width of the file they came from.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,15 +71,12 @@ impl Row<'_> {
             Row::Float(row) => row,
             Row::Half(row) => {
                 let scratch = &mut scratch[..row.len()];
-                row.convert_to_f32_slice(scratch);
+                kernel::widen(row, scratch);
                 scratch
             }
         }
     }
 }
-
-/// The least float that rounds to an infinite half.
-const HALF_OVERFLOWS: f32 = 65520.0;
 
 /// A sample of a picture that can be written.
 pub trait Sample: Copy + Send + Sync {
@@ -95,9 +93,7 @@ impl Sample for f32 {
 
 impl Sample for f16 {
     fn store(from: &[f32], to: &mut [f16]) -> u64 {
-        to.convert_from_f32_slice(from);
-        // Rounds to infinity from here on; one comparison without a branch for the many that do not.
-        if !from.iter().fold(false, |any, v| any | (v.abs() >= HALF_OVERFLOWS)) {
+        if !kernel::narrow(from, to) {
             return 0;
         }
         let mut limited = 0;

@@ -21,7 +21,8 @@ pub enum Model {
     Unbleached,
     /// At once (paper Eq. 1, frame by frame).
     Steady,
-    /// By a method of the table. `substeps` 0: as many as keep the step's error within `budget`.
+    /// By a method of the table. `substeps` 0: as many as keep the error of the whole run
+    /// within `budget`.
     Tracked { method: &'static Method, substeps: u32, budget: f64 },
 }
 
@@ -38,13 +39,13 @@ impl Model {
 
 /// One step of the pigments, the same at every place but for the light.
 #[derive(Clone, Copy)]
-pub struct Advance<'a> {
-    pub pigments: &'a [Kinetics; 3],
+pub struct Advance {
+    pub pigments: [Kinetics; 3],
     pub model: Model,
     pub duration: Seconds,
 }
 
-impl Advance<'_> {
+impl Advance {
     /// Moves rows of L, M, S pigment by rows of L, M, S light, td.
     pub fn row(&self, light: &[f32], p: &mut [f64]) {
         let width = p.len() / 3;
@@ -75,7 +76,9 @@ impl Advance<'_> {
             Model::Unbleached => p,
             Model::Steady => pigment.steady(light),
             Model::Tracked { method, substeps: 0, budget } if method.name == "exact" => {
-                step::enclosed_within(pigment, p, light, self.duration, budget).p
+                // A step may err by as much of the budget as it forgets: then no sum of steps can pass it.
+                let forgets = -(-self.duration.0 * pigment.contraction(light)[0]).exp_m1();
+                step::enclosed_within(pigment, p, light, self.duration, budget * forgets).p
             }
             Model::Tracked { method, substeps, .. } => method.hold(pigment, p, light, self.duration, substeps.max(1)),
         }
@@ -174,7 +177,7 @@ impl Retina {
     }
 
     /// Moves the places that no picture has covered by the surround's light, td.
-    pub fn advance_beyond(&mut self, advance: &Advance<'_>, surround: [f64; 3]) {
+    pub fn advance_beyond(&mut self, advance: &Advance, surround: [f64; 3]) {
         let light = surround.map(|td| td as f32);
         advance.row(&light, &mut self.beyond);
     }
@@ -189,7 +192,7 @@ mod tests {
         let pigments = [Kinetics::first_order(Trolands(2e4), Seconds(120.0)); 3];
         let Some(method) = Method::named("exact") else { panic!("exact is in the table") };
         let model = Model::Tracked { method, substeps: 0, budget: 1e-3 };
-        let advance = Advance { pigments: &pigments, model, duration: Seconds(10.0) };
+        let advance = Advance { pigments, model, duration: Seconds(10.0) };
         let mut retina = Retina::rested(2, 1);
         retina.rows_mut().for_each(|row| advance.row(&[1e6; 6], row));
         retina.advance_beyond(&advance, [1e4; 3]);

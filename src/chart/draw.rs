@@ -107,6 +107,21 @@ impl Sheet {
         })));
     }
 
+    /// A line through many points, in dashes of `on` units that are `off` units apart. (The PNG writer draws the
+    /// dashes of straight lines only.)
+    pub fn dashed(&mut self, points: &[Point], ink: Ink, width: f64, on: f64, off: f64) {
+        let (mut walked, mut dash) = (0.0, Vec::new());
+        for pair in points.windows(2) {
+            if walked % (on + off) < on {
+                dash.extend(if dash.is_empty() { pair } else { &pair[1..] });
+            } else if !dash.is_empty() {
+                self.polyline(&std::mem::take(&mut dash), ink, width, "");
+            }
+            walked += (pair[1].0 - pair[0].0).hypot(pair[1].1 - pair[0].1);
+        }
+        self.polyline(&dash, ink, width, "");
+    }
+
     /// A filled shape.
     fn polygon(&mut self, points: &[Point], fill: Ink, edge: Ink) {
         let d = outline(points) + "Z";
@@ -150,6 +165,11 @@ impl Sheet {
         self.0.add(Primitive::Circle { cx, cy, r, fill, fill_opacity, stroke, stroke_width });
     }
 
+    /// The drawing as SVG.
+    pub fn svg(&self) -> String {
+        SvgBackend::default().render_scene(&self.0)
+    }
+
     /// Write `<name>.svg` and `<name>.png`, the latter with two pixels to the unit.
     pub fn write(&self, out_dir: &Path, name: &str) -> Result<()> {
         let put = |extension: &str, bytes: &[u8]| {
@@ -158,11 +178,6 @@ impl Sheet {
         };
         put("svg", self.svg().as_bytes())?;
         put("png", &self.png().map_err(|problem| Error::file(out_dir.join(name), problem))?)
-    }
-
-    /// The drawing as SVG.
-    pub fn svg(&self) -> String {
-        SvgBackend::default().render_scene(&self.0)
     }
 
     /// The drawing as PNG, two pixels to the unit.

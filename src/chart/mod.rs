@@ -4,12 +4,14 @@
 
 pub mod axes;
 pub mod draw;
+mod fundamentals;
 mod machine;
 pub(crate) mod palette;
 mod pigment;
 mod scenes;
 mod stability;
 mod stability_map;
+pub mod validation;
 mod verdict;
 mod work;
 mod work_precision;
@@ -31,6 +33,7 @@ pub const CHARTS: &[Chart] = &[
     Chart { name: "work-precision", write: work_precision::write },
     Chart { name: "stability", write: stability_map::write },
     Chart { name: "pigment", write: pigment::write },
+    Chart { name: "fundamentals", write: fundamentals::write },
 ];
 
 /// Write a table of `header` and `rows` as `<name>.csv`. No value of ours holds a comma.

@@ -6,6 +6,7 @@ mod inspect;
 mod run;
 mod sweep;
 mod table;
+mod validate;
 mod watch;
 
 use std::path::{Path, PathBuf};
@@ -51,6 +52,14 @@ enum Command {
     #[command(after_help = "Example:\n  sungaze chart work-precision stability --out out/chart")]
     Chart {
         names: Vec<String>,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Hold the program against closed forms, the paper, published numbers and the oracle; exit code 1 if it fails.
+    #[command(
+        after_help = "Example:\n  sungaze validate --out out/validate\n  sungaze validate --set 'observer.tau_s=[121.2, 121.2, 121.2]'   fails: one per cent off"
+    )]
+    Validate {
         #[command(flatten)]
         common: Common,
     },
@@ -145,6 +154,7 @@ fn dispatch(command: Command) -> Result<ExitCode> {
         Command::Sweep { config, asked, common } => sweep::command(&config, &asked, &common),
         Command::Chart { names, common } => chart::command(&names, &common),
         Command::Inspect { files, common } => inspect::command(&files, &common),
+        Command::Validate { common } => validate::command(&common),
         Command::Completions { shell } => {
             completions::command(shell, &mut Cli::command());
             Ok(ExitCode::SUCCESS)

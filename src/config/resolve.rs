@@ -6,6 +6,7 @@ use crate::eye::{Directional, Dynamics, Field, Narrowing, Observer, Reading, Rul
 use crate::frames::builtin::{Ground, Sunset};
 use crate::frames::{self, ChannelNames, Compression, Negative, NonFinite, Quantity, ReadOptions, Sequence, Wanted};
 use crate::kinetics::{Kinetics, Law};
+use crate::plan::{self, Plan};
 use crate::retina::Model;
 use crate::step::Method;
 use crate::units::{Degrees, Millimetres, Nits, Seconds, Trolands};
@@ -111,6 +112,7 @@ impl Config {
             },
             smoothing: Seconds(d.smoothing_s),
             highlights: d.highlights,
+            ..Display::default()
         }
     }
 
@@ -217,8 +219,14 @@ impl Config {
             ModelKey::None => Model::Unbleached,
             ModelKey::Steady => Model::Steady,
             ModelKey::Auto | ModelKey::Tracked => {
-                Model::Tracked { method: self.method()?, substeps: n.substeps, budget: n.budget }
+                Model::Tracked { method: self.method()?, substeps: n.substeps, budget: plan::SUBSTEPS * n.budget }
             }
         })
+    }
+
+    /// A plan that may leave things out (`numerics.model = "auto"`), or one that does as it is told.
+    pub fn plan(&self) -> Plan {
+        let n = &self.settings.numerics;
+        Plan::new((n.model == ModelKey::Auto).then_some(n.budget))
     }
 }

@@ -50,6 +50,7 @@ pub enum Steepness {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Directional {
     reading: Reading,
+    steepness: Curve,
     levels: Vec<f64>,
     shares: Vec<Curve>,
 }
@@ -59,14 +60,14 @@ impl Directional {
     pub fn new(reading: Reading, steepness: Steepness) -> Self {
         let p = steepness.curve();
         if reading == Reading::Off {
-            return Directional { reading, levels: vec![0.0], shares: vec![Curve::sampled(|_| 1.0)] };
+            return Directional { reading, steepness: p, levels: vec![0.0], shares: vec![Curve::sampled(|_| 1.0)] };
         }
         let (low, high) = p.0.iter().fold((f64::MAX, f64::MIN), |(a, b), &v| (a.min(v), b.max(v)));
         let count =
             (1..=MOST_LEVELS).find(|&n| worst_error(reading, low, high, n) < LEVEL_BOUND).unwrap_or(MOST_LEVELS);
         let levels = nodes(low, high, count);
         let shares = (0..count).map(|j| Curve(p.0.iter().map(|&v| lagrange(&levels, v)[j]).collect())).collect();
-        Directional { reading, levels, shares }
+        Directional { reading, steepness: p, levels, shares }
     }
 
     /// The fixed levels of p, mm^-2.
@@ -93,7 +94,12 @@ impl Directional {
         self.levels.iter().map(move |&p| eta(reading, p, pupil, r))
     }
 
-    /// eta at every wavelength.
+    /// eta at every wavelength, from p(lambda) itself (paper Eq. 5, or its mean over the pupil).
+    pub fn exact(&self, pupil: Millimetres, r: Millimetres) -> Curve {
+        Curve(self.steepness.0.iter().map(|&p| eta(self.reading, p, pupil.0, r.0)).collect())
+    }
+
+    /// eta at every wavelength, through the levels.
     pub fn curve(&self, pupil: Millimetres, r: Millimetres) -> Curve {
         let mut sum = Curve::sampled(|_| 0.0);
         for (share, weight) in self.shares.iter().zip(self.weights(pupil, r)) {

@@ -75,7 +75,7 @@ impl Observer {
     /// Cone illuminance of a spectral radiance known at every nm, from the definition, without levels or bands:
     /// I_k = 683 c_k A integral L eta s_k (paper Eq. 2, 6, 7). `r`: distance from the pupil's centre.
     pub fn illuminance(&self, radiance: &Curve, pupil: Millimetres, r: Millimetres) -> [Trolands; 3] {
-        let weighted = radiance.times(&self.directional.curve(pupil, r));
+        let weighted = radiance.times(&self.directional.exact(pupil, r));
         [0, 1, 2].map(|k| {
             let integral = weighted.times(self.fundamentals.unbleached(k)).integral();
             Trolands(LUMENS_PER_WATT * self.cone_troland[k] * pupil::area(pupil) * integral)
@@ -102,7 +102,7 @@ impl Observer {
 
     /// eta of an equal-energy light in each class, at `r` from the pupil's centre.
     pub fn equal_energy_weight(&self, pupil: Millimetres, r: Millimetres) -> [f64; 3] {
-        let eta = self.directional.curve(pupil, r);
+        let eta = self.directional.exact(pupil, r);
         [0, 1, 2].map(|k| {
             let s = self.fundamentals.unbleached(k);
             s.times(&eta).integral() / s.integral()

@@ -57,8 +57,10 @@ impl WithSimd for Project<'_> {
         let Project { sums, light, out } = self;
         let width = light.width();
         let pair = 2 * S::F32_LANES;
-        let whole = width / pair * pair;
-        for at in (0..whole).step_by(pair) {
+        // The last pair overlaps the one before: each place is summed alike wherever it stands in a vector.
+        let last = width.saturating_sub(pair);
+        let starts = (0..last).step_by(pair).chain((width >= pair).then_some(last));
+        for at in starts {
             for (g, group) in sums.groups.iter().enumerate() {
                 let totals = pair_of_vectors(simd, group, light, at, g == 0);
                 for (row, total) in (g * GROUP..sums.rows).zip(totals) {
@@ -68,7 +70,7 @@ impl WithSimd for Project<'_> {
                 }
             }
         }
-        for at in whole..width {
+        for at in 0..if width < pair { width } else { 0 } {
             for (g, group) in sums.groups.iter().enumerate() {
                 for row in g * GROUP..sums.rows.min((g + 1) * GROUP) {
                     out[row * width + at] = one_place(group, light, at, row - g * GROUP);
@@ -91,6 +93,7 @@ fn pair_of_vectors<S: Simd>(
         let run = &light.plane(band)[at..][..2 * S::F32_LANES];
         if first {
             ask_for(run.as_ptr().wrapping_add(AHEAD));
+            ask_for(run.as_ptr().wrapping_add(AHEAD + S::F32_LANES));
         }
         let (vectors, _) = S::as_simd_f32s(run);
         for i in 0..GROUP {

@@ -10,6 +10,7 @@
 mod bands;
 mod decay;
 mod extremes;
+mod halves;
 mod percept;
 mod pigment;
 mod sums;
@@ -17,6 +18,7 @@ mod sums;
 pub use bands::BandSums;
 pub use decay::{ERROR, LONGEST, decay, mean_decay_short};
 pub use extremes::{greatest, least};
+pub use halves::{narrow, widen};
 pub use percept::{PerceptForm, percept};
 pub use pigment::{FirstOrderForm, relax, steady};
 pub use sums::{combine, illuminance, weaken};
@@ -50,14 +52,13 @@ impl<'a> Strip<'a> {
     /// The run of `width` places that begins at `from`. Halves are widened into `room`, which must be as long as
     /// all planes of the run ([`tiles`] sees to that).
     pub fn of(row: Row<'a>, count: usize, from: usize, width: usize, room: &'a mut [f32]) -> Self {
-        use half::slice::HalfFloatSliceExt;
         match row {
             Row::Float(samples) => Strip { samples, stride: samples.len() / count, from, width },
             Row::Half(samples) => {
                 let stride = samples.len() / count;
                 let room = &mut room[..count * width];
                 for (plane, out) in samples.chunks_exact(stride).zip(room.chunks_exact_mut(width)) {
-                    plane[from..from + width].convert_to_f32_slice(out);
+                    widen(&plane[from..from + width], out);
                 }
                 Strip { samples: room, stride: width, from: 0, width }
             }

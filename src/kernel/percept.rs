@@ -165,8 +165,15 @@ fn finish_catch(peaks: &[[f32; 4]], p: &[f32], catch: &mut [f32]) {
 #[inline(always)]
 fn choose(p: &[f32], whole: &[f32], catch: &mut [f32]) {
     for ((catch, &p), &whole) in catch.iter_mut().zip(p).zip(whole) {
-        *catch = if p == 1.0 { whole } else { *catch };
+        *catch = either(p == 1.0, whole, *catch);
     }
+}
+
+/// One of two numbers, by their bits: a choice of places in memory would not vectorise.
+#[inline(always)]
+fn either(first: bool, a: f32, b: f32) -> f32 {
+    let mask = 0u32.wrapping_sub(u32::from(first));
+    f32::from_bits((a.to_bits() & mask) | (b.to_bits() & !mask))
 }
 
 #[inline(always)]
@@ -180,7 +187,7 @@ fn apply(row: &[f32; 3], lms: &[[f32; TILE]; 3], out: &mut [f32]) {
 fn keep_where_unbleached(p: &[[f32; TILE]; 3], light: &[f32], seen: &mut [f32]) {
     for ((((seen, &light), &l), &m), &s) in seen.iter_mut().zip(light).zip(&p[0]).zip(&p[1]).zip(&p[2]) {
         let unbleached = (l == 1.0) & (m == 1.0) & (s == 1.0);
-        *seen = if unbleached { light } else { *seen };
+        *seen = either(unbleached, light, *seen);
     }
 }
 

@@ -1,6 +1,6 @@
 //! A checkpoint: one file that holds everything the next frame depends on, bit for bit.
 //!
-//! A line of JSON, then the numbers it counts as little-endian f64: the retina, the tone map, the pupil. It appears
+//! A line of JSON, then the numbers it counts as little-endian f64: the retina, the tone map, the pupil, the plan. It appears
 //! whole or not at all, and is removed when the run is complete.
 
 use std::path::{Path, PathBuf};
@@ -32,13 +32,15 @@ pub struct Checkpoint {
     /// Byte lengths of `trace.csv` and `probes.csv`.
     pub lengths: [u64; 2],
     /// How many numbers of each follow.
-    counts: [usize; 3],
+    counts: [usize; 4],
     #[serde(skip)]
     pub retina: Vec<f64>,
     #[serde(skip)]
     pub map: Vec<f64>,
     #[serde(skip)]
     pub pupil: Vec<f64>,
+    #[serde(skip)]
+    pub plan: Vec<f64>,
 }
 
 /// The parts of a checkpoint that are JSON.
@@ -55,7 +57,7 @@ pub struct Header {
 
 impl Checkpoint {
     /// A checkpoint of these parts; lengths are known when it is written.
-    pub fn new(header: Header, retina: Vec<f64>, map: Vec<f64>, pupil: Vec<f64>) -> Self {
+    pub fn new(header: Header, retina: Vec<f64>, map: Vec<f64>, pupil: Vec<f64>, plan: Vec<f64>) -> Self {
         Checkpoint {
             config: header.config,
             done: header.done,
@@ -66,21 +68,22 @@ impl Checkpoint {
             beyond: header.beyond.map(f64::to_bits),
             counters: header.counters,
             lengths: [0; 2],
-            counts: [retina.len(), map.len(), pupil.len()],
+            counts: [retina.len(), map.len(), pupil.len(), plan.len()],
             retina,
             map,
             pupil,
+            plan,
         }
     }
 
     /// Writes the checkpoint of a run whose tables have these lengths.
     pub fn write(&self, folder: &Path, lengths: [u64; 2]) -> Result<()> {
         let path = folder.join(NAME);
-        let whole = Checkpoint { lengths, retina: vec![], map: vec![], pupil: vec![], ..self.clone_header() };
+        let whole = Checkpoint { lengths, ..self.clone_header() };
         let head = serde_json::to_string(&whole).map_err(|e| Error::file(&path, e.to_string()))?;
         write_whole(&path, |out| {
             writeln!(out, "{head}")?;
-            for numbers in [&self.retina, &self.map, &self.pupil] {
+            for numbers in [&self.retina, &self.map, &self.pupil, &self.plan] {
                 for chunk in numbers.chunks(4096) {
                     let bytes: Vec<u8> = chunk.iter().flat_map(|v| v.to_le_bytes()).collect();
                     out.write_all(&bytes)?;
@@ -97,6 +100,7 @@ impl Checkpoint {
             retina: vec![],
             map: vec![],
             pupil: vec![],
+            plan: vec![],
             ..*self
         }
     }
@@ -131,13 +135,14 @@ fn parse(bytes: &[u8]) -> Option<Checkpoint> {
     let mut checkpoint: Checkpoint = serde_json::from_slice(&bytes[..end]).ok()?;
     let mut numbers =
         bytes[end + 1..].chunks_exact(8).map(|b| f64::from_le_bytes([b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7]]));
-    let [retina, map, pupil] = checkpoint.counts;
-    if bytes.len() - end - 1 != 8 * retina.checked_add(map)?.checked_add(pupil)? {
+    let [retina, map, pupil, plan] = checkpoint.counts;
+    if bytes.len() - end - 1 != 8 * retina.checked_add(map)?.checked_add(pupil)?.checked_add(plan)? {
         return None;
     }
     checkpoint.retina = numbers.by_ref().take(retina).collect();
     checkpoint.map = numbers.by_ref().take(map).collect();
-    checkpoint.pupil = numbers.collect();
+    checkpoint.pupil = numbers.by_ref().take(pupil).collect();
+    checkpoint.plan = numbers.collect();
     Some(checkpoint)
 }
 
@@ -169,16 +174,21 @@ mod tests {
             beyond: [0.1 + 0.2, 1.0, 1e-300],
             counters: Counters::default(),
         };
-        let written =
-            Checkpoint::new(header, vec![0.1, 1e-308, 1.0], vec![f64::NAN.abs(), -0.0], vec![f64::NEG_INFINITY]);
+        let written = Checkpoint::new(
+            header,
+            vec![0.1, 1e-308, 1.0],
+            vec![f64::NAN.abs(), -0.0],
+            vec![f64::NEG_INFINITY],
+            vec![f64::INFINITY, 1e-4],
+        );
         written.write(folder.path(), [10, 20]).unwrap();
         let read = Checkpoint::read(folder.path()).unwrap().unwrap();
         assert_eq!(read.lengths, [10, 20]);
         assert_eq!((read.done, read.beyond, read.first_gaze), (7, written.beyond, written.first_gaze));
         let bits = |v: &[f64]| v.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
         assert_eq!(
-            (bits(&read.retina), bits(&read.map), bits(&read.pupil)),
-            (bits(&written.retina), bits(&written.map), bits(&written.pupil))
+            (bits(&read.retina), bits(&read.map), bits(&read.pupil), bits(&read.plan)),
+            (bits(&written.retina), bits(&written.map), bits(&written.pupil), bits(&written.plan))
         );
     }
 

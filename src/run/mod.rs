@@ -30,6 +30,7 @@ use crate::display::{Display, ToneMap};
 use crate::error::{Error, Result};
 use crate::frames;
 use crate::light::{Planes, Samples};
+use crate::plan::Plan;
 use crate::retina::{Model, Retina};
 use crate::units::{Nits, Seconds};
 use crate::viewer::{Look, Viewer};
@@ -111,12 +112,13 @@ impl Eye {
         let pixels_per_degree = scene.pixels_per_degree;
         let mut viewer =
             Viewer::new(scene.vision.clone(), config.pigments(), config.model()?, retina, pixels_per_degree);
+        viewer.plan = config.plan();
         viewer.surround = Nits(config.settings.gaze.surround_cd_m2);
         let mut eye = Eye {
             viewer,
             gaze: Gaze::of(config)?,
             probes: record::probes(config),
-            display: (config.settings.output.display == DisplayFile::Png).then(|| config.display()),
+            display: (config.settings.output.display == DisplayFile::Png).then(|| scene.display(config)),
             map: None,
             counters: Counters { held_frames: scene.held.clone(), ..Counters::default() },
             state: config.settings.output.state,
@@ -136,6 +138,7 @@ impl Eye {
         self.viewer.retina = retina.ok_or_else(|| Error::file(checkpoint::NAME, "holds a retina of another size"))?;
         self.viewer.first_gaze = c.first_gaze;
         self.viewer.pupil.restore(&c.pupil);
+        self.viewer.plan.restore(&c.plan);
         self.map = self.display.as_ref().and_then(|display| display.restore(c.map)).map(Arc::new);
         (self.counters, self.done) = (c.counters, c.done);
         Ok(())
@@ -154,15 +157,17 @@ impl Eye {
             counters: self.counters.clone(),
         };
         let map = self.map.as_ref().map_or(Vec::new(), |map| map.levels().to_vec());
-        Checkpoint::new(header, retina.fractions().to_vec(), map, self.viewer.pupil.to_numbers())
+        let plan = self.viewer.plan.to_numbers();
+        Checkpoint::new(header, retina.fractions().to_vec(), map, self.viewer.pupil.to_numbers(), plan)
     }
 
     /// The steady state of the first frame, before the first look.
     fn adapt(&mut self, loaded: &Loaded, gaze: [f64; 2], duration: Seconds) {
         let (pupil, model) = (self.viewer.pupil.clone(), self.viewer.model);
+        let plan = std::mem::replace(&mut self.viewer.plan, Plan::new(None));
         self.viewer.model = Model::Steady;
         self.viewer.look(&loaded.frame.planes, &loaded.survey, gaze, duration, None);
-        (self.viewer.pupil, self.viewer.model) = (pupil, model);
+        (self.viewer.pupil, self.viewer.model, self.viewer.plan) = (pupil, model, plan);
     }
 
     /// Looks at one frame and hands over what is to be written of it. `recycled`: a percept to be written over.
@@ -297,7 +302,7 @@ pub(crate) fn writer<'a>(config: &Config, scene: &Scene, resolved: &Value, folde
     let digest = digest(resolved.to_string().as_bytes());
     Ok(Writer {
         folder,
-        display: config.display(),
+        display: scene.display(config),
         seen_to_srgb: scene.vision.seen_to_srgb.map(|row| row.map(|v| v as f32)),
         seen: config.settings.output.seen == SeenKey::Exr,
         compression: config.compression()?,
@@ -380,7 +385,7 @@ fn finish(
         "config": eye.config,
         "version": env!("CARGO_PKG_VERSION"),
         "constants": report::constants(config),
-        "plan": plan(&eye.viewer.model),
+        "plan": eye.viewer.plan.report(eye.viewer.model, &eye.viewer.pigments),
         "check": { "samples": 0, "max_error_p": null, "max_error_catch": null },
         "frames": {
             "count": scene.steps.len(),
@@ -418,8 +423,4 @@ fn film(config: &Config, scene: &Scene, folder: &Path, watch: &dyn Watch) -> Res
         watch.warn(&format!("ffmpeg is not on the PATH; this makes the film where it is: {command}"));
     }
     Ok(())
-}
-
-fn plan(model: &Model) -> Value {
-    json!({ "model": model.name(), "terms": [], "bound_total": 0.0 })
 }

@@ -93,7 +93,7 @@ pub fn trace_row(viewer: &Viewer, planes: &Planes, look: &Look, gaze: [f64; 2], 
     let numbers = [step.end(), step.duration, at[0], at[1], look.adapting.0, look.pupil.0];
     let numbers = numbers.into_iter().chain(sce).chain(fovea).chain(most);
     let row = numbers.fold(step.number.to_string(), |row, v| format!("{row},{v}"));
-    format!("{row},{}\n", viewer.model.name())
+    format!("{row},{}\n", viewer.plan.name(viewer.model))
 }
 
 /// Mean bleached fraction over the fovea around the gaze.

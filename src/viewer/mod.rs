@@ -18,6 +18,7 @@ use crate::kernel::{self, PerceptForm, ROOM, TILE};
 use crate::kinetics::Kinetics;
 use crate::light::{Planes, Sample, Samples};
 use crate::percept::Vision;
+use crate::plan::Plan;
 use crate::retina::{Advance, Model, Retina};
 use crate::units::{Millimetres, Nits, Seconds};
 
@@ -39,6 +40,8 @@ pub struct Viewer {
     pub surround: Nits,
     /// Where the first look was aimed, in pixels.
     pub first_gaze: Option<[f64; 2]>,
+    /// What may be left out.
+    pub plan: Plan,
     form: PerceptForm,
     fields: Vec<f32>,
 }
@@ -69,6 +72,7 @@ impl Viewer {
             pixels_per_degree,
             surround: Nits(0.0),
             first_gaze: None,
+            plan: Plan::new(None),
             form,
             fields: Vec::new(),
         }
@@ -93,17 +97,28 @@ impl Viewer {
             pupil,
             shift,
             duration,
+            model: self.plan.model(self.model, &self.pigments, duration),
         };
         let half = matches!(planes.samples, Samples::Half(_)) && self.vision.returns_its_light();
         let mut seen = canvas(recycled, planes, half);
+        let per_row = glance.sight.tiles(planes.row(0), planes.width).count();
+        if self.plan.ledger.len() != per_row * planes.height {
+            let rested = self.retina.fractions().iter().all(|&p| p == 1.0);
+            self.plan.open(per_row * planes.height, rested);
+        }
         let census = match &mut seen.samples {
             Samples::Half(seen) => self.rows(&glance, seen),
             Samples::Float(seen) => self.rows(&glance, seen),
         };
+        self.plan.note(census.untouched, census.stepped, glance.model, &self.pigments, duration);
         Look { seen, adapting: adapting.fovea, pupil, shift, census }
     }
 
     fn rows<T: Sample>(&mut self, glance: &Glance<'_>, seen: &mut [T]) -> Census {
+        if !matches!(glance.model, Model::Unbleached) {
+            let surround = self.surround_illuminance(glance.pupil);
+            self.retina.advance_beyond(&self.advance(glance), surround);
+        }
         let still = glance.shift == [0.0, 0.0]
             && self.retina.origin() == [0, 0]
             && self.retina.size() == [glance.planes.width, glance.planes.height];
@@ -113,32 +128,50 @@ impl Viewer {
         self.expose(glance).and(self.perceive(glance, seen))
     }
 
+    fn advance(&self, glance: &Glance<'_>) -> Advance {
+        Advance { pigments: self.pigments, model: glance.model, duration: glance.duration }
+    }
+
     /// One pass over each row, tile by tile: light, pigment, percept.
     fn look_still<T: Sample>(&mut self, glance: &Glance<'_>, seen: &mut [T]) -> Census {
-        let Viewer { pigments, model, retina, form, .. } = self;
-        let advance = Advance { pigments, model: *model, duration: glance.duration };
+        let advance = self.advance(glance);
+        let rule = self.plan.rule(&self.pigments, glance.duration);
+        let Viewer { vision, retina, form, plan, .. } = self;
         let (planes, sight) = (glance.planes, &glance.sight);
         let moves = !matches!(advance.model, Model::Unbleached);
+        let returns_light = vision.returns_its_light();
+        let per_row = plan.ledger.len() / planes.height;
         retina
             .par_rows_mut()
             .zip(seen.par_chunks_exact_mut(3 * planes.width))
+            .zip(plan.ledger.par_chunks_exact_mut(per_row))
             .enumerate()
-            .map(|(y, (p, seen))| {
+            .map(|(y, ((p, seen), ledger))| {
                 let (mut room, mut td, mut rgb) = ([0.0; ROOM], [[0.0; TILE]; 3], [[0.0; TILE]; 3]);
                 let mut census = Census::EMPTY;
-                for (from, width) in sight.tiles(planes.row(y), planes.width) {
+                for ((from, width), left_out) in sight.tiles(planes.row(y), planes.width).zip(ledger) {
                     let light = sight.light(planes.row(y), from, width, &mut room);
-                    let td = td.each_mut().map(|td| &mut td[..width]);
                     let mut p = thirds(p).map(|p| &mut p[from..from + width]);
                     if moves {
-                        let [l, m, s] = td;
-                        sight.illuminance(light, [from, y], [&mut *l, &mut *m, &mut *s]);
-                        let td = [&*l, &*m, &*s];
-                        (0..3).for_each(|k| advance.cone(k, td[k], p[k]));
-                        census = census.and(Census::of(td, p.each_ref().map(|p| &**p)));
+                        sight.illuminance(light, [from, y], td.each_mut().map(|td| &mut td[..width]));
+                        let td = td.each_ref().map(|td| &td[..width]);
+                        let greatest = td.map(kernel::greatest);
+                        census = census.and(Census::of_light(greatest));
+                        *left_out = rule.after(*left_out, greatest);
+                        if left_out.is_infinite() {
+                            (0..3).for_each(|k| advance.cone(k, td[k], p[k]));
+                            census = census.and(Census::of_pigment(p.each_ref().map(|p| &**p)));
+                        } else {
+                            census = census.and(Census::of_untouched(*left_out));
+                        }
                     }
-                    kernel::percept(form, light, p.map(|p| &*p), rgb.each_mut().map(|rgb| &mut rgb[..width]));
-                    census.limited += stored(&rgb, seen, from, width);
+                    if left_out.is_finite() && returns_light {
+                        let planes = [light.plane(0), light.plane(1), light.plane(2)];
+                        census.limited += stored(planes, seen, from);
+                    } else {
+                        kernel::percept(form, light, p.map(|p| &*p), rgb.each_mut().map(|rgb| &mut rgb[..width]));
+                        census.limited += stored(rgb.each_ref().map(|rgb| &rgb[..width]), seen, from);
+                    }
                 }
                 census
             })
@@ -147,44 +180,58 @@ impl Viewer {
 
     /// The light's way to the retina: cone illuminance of the picture, resampled to the places, moves their pigment.
     fn expose(&mut self, glance: &Glance<'_>) -> Census {
-        if matches!(self.model, Model::Unbleached) {
+        if matches!(glance.model, Model::Unbleached) {
             return Census::EMPTY;
         }
         let (planes, shift) = (glance.planes, glance.shift);
+        let surround = self.surround_illuminance(glance.pupil);
+        let met = self.illuminate(glance).and(Census { greatest: surround, ..Census::EMPTY });
+        if let Some(left_out) = self.leaves_out(glance, met.greatest) {
+            return met.and(Census::of_untouched(left_out));
+        }
+        let edge = |i: usize, n: usize| [(-shift[i]).floor() as i64, (n as f64 - 1.0 - shift[i]).ceil() as i64];
+        let ([left, right], [top, bottom]) = (edge(0, planes.width), edge(1, planes.height));
+        self.retina.cover([left, top], [right, bottom]);
+        let advance = self.advance(glance);
+        let around = surround.map(|v| v as f32);
+        let field = Field { samples: &self.fields, width: planes.width, height: planes.height, around };
+        let ([x0, y0], [places, _]) = (self.retina.origin(), self.retina.size());
+        let moved = self.retina.par_rows_mut().enumerate().map(|(row, p)| {
+            let mut td = [[0.0; TILE]; 3];
+            let mut census = Census::EMPTY;
+            for (from, width) in kernel::tiles(1, places) {
+                let at = [(x0 + from as i64) as f64 + shift[0], (y0 + row as i64) as f64 + shift[1]];
+                field.resample(at, td.each_mut().map(|td| &mut td[..width]));
+                let mut p = thirds(p).map(|p| &mut p[from..from + width]);
+                (0..3).for_each(|k| advance.cone(k, &td[k][..width], p[k]));
+                census = census.and(Census::of_pigment(p.each_ref().map(|p| &**p)));
+            }
+            census
+        });
+        met.and(moved.reduce(|| Census::EMPTY, Census::and))
+    }
+
+    /// Cone illuminance of the whole picture.
+    fn illuminate(&mut self, glance: &Glance<'_>) -> Census {
+        let planes = glance.planes;
         self.fields.resize(3 * planes.width * planes.height, 0.0);
-        self.fields.par_chunks_exact_mut(3 * planes.width).enumerate().for_each(|(y, td)| {
+        let rows = self.fields.par_chunks_exact_mut(3 * planes.width).enumerate().map(|(y, td)| {
             let mut room = [0.0; ROOM];
             for (from, width) in glance.sight.tiles(planes.row(y), planes.width) {
                 let light = glance.sight.light(planes.row(y), from, width, &mut room);
                 glance.sight.illuminance(light, [from, y], thirds(td).map(|td| &mut td[from..from + width]));
             }
+            Census::of_light(thirds(td).map(|td| kernel::greatest(td)))
         });
-        let edge = |i: usize, n: usize| [(-shift[i]).floor() as i64, (n as f64 - 1.0 - shift[i]).ceil() as i64];
-        let ([left, right], [top, bottom]) = (edge(0, planes.width), edge(1, planes.height));
-        self.retina.cover([left, top], [right, bottom]);
-        let surround = self.surround_illuminance(glance.pupil);
-        let advance = Advance { pigments: &self.pigments, model: self.model, duration: glance.duration };
-        self.retina.advance_beyond(&advance, surround);
-        let around = surround.map(|v| v as f32);
-        let field = Field { samples: &self.fields, width: planes.width, height: planes.height, around };
-        let ([x0, y0], [places, _]) = (self.retina.origin(), self.retina.size());
-        self.retina
-            .par_rows_mut()
-            .enumerate()
-            .map(|(row, p)| {
-                let mut td = [[0.0; TILE]; 3];
-                let mut census = Census::EMPTY;
-                for (from, width) in kernel::tiles(1, places) {
-                    let at = [(x0 + from as i64) as f64 + shift[0], (y0 + row as i64) as f64 + shift[1]];
-                    field.resample(at, td.each_mut().map(|td| &mut td[..width]));
-                    let td = td.each_ref().map(|td| &td[..width]);
-                    let mut p = thirds(p).map(|p| &mut p[from..from + width]);
-                    (0..3).for_each(|k| advance.cone(k, td[k], p[k]));
-                    census = census.and(Census::of(td, p.each_ref().map(|p| &**p)));
-                }
-                census
-            })
-            .reduce(|| Census::EMPTY, Census::and)
+        rows.reduce(|| Census::EMPTY, Census::and)
+    }
+
+    /// Under a moved gaze the whole retina is one tile: what may have bleached unseen, if it is left untouched.
+    fn leaves_out(&mut self, glance: &Glance<'_>, greatest: [f64; 3]) -> Option<f64> {
+        let before = self.plan.ledger.iter().copied().fold(0.0, f64::max);
+        let after = self.plan.rule(&self.pigments, glance.duration).after(before, greatest.map(|td| td as f32));
+        self.plan.ledger.fill(after);
+        after.is_finite().then_some(after)
     }
 
     /// The percept's way back: p is read at the picture's points, and the picture's own light is seen through it.
@@ -202,7 +249,7 @@ impl Viewer {
                     pigment.resample(at, p.each_mut().map(|p| &mut p[..width]));
                     let p = p.each_ref().map(|p| &p[..width]);
                     kernel::percept(&self.form, light, p, rgb.each_mut().map(|rgb| &mut rgb[..width]));
-                    census.limited += stored(&rgb, seen, from, width);
+                    census.limited += stored(rgb.each_ref().map(|rgb| &rgb[..width]), seen, from);
                 }
                 census
             })
@@ -247,6 +294,8 @@ struct Glance<'a> {
     /// How far the gaze has moved from the first, in pixels.
     shift: [f64; 2],
     duration: Seconds,
+    /// How pigment is moved over this frame.
+    model: Model,
 }
 
 /// The three runs of a row: L, M, S or R, G, B.
@@ -258,9 +307,9 @@ fn thirds<T>(row: &mut [T]) -> [&mut [T]; 3] {
 }
 
 /// Stores a tile of the percept; returns how many samples had to be limited.
-fn stored<T: Sample>(rgb: &[[f32; TILE]; 3], row: &mut [T], from: usize, width: usize) -> u64 {
-    let planes = rgb.iter().zip(thirds(row));
-    planes.map(|(rgb, out)| T::store(&rgb[..width], &mut out[from..from + width])).sum()
+fn stored<T: Sample>(rgb: [&[f32]; 3], row: &mut [T], from: usize) -> u64 {
+    let planes = rgb.into_iter().zip(thirds(row));
+    planes.map(|(rgb, out)| T::store(rgb, &mut out[from..from + rgb.len()])).sum()
 }
 
 /// Planes for a percept: recycled ones where they fit.

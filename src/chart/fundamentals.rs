@@ -1,0 +1,149 @@
+//! `fundamentals`: Figs. 1 to 3 of the paper, what is used here beside the paper's constants.
+
+use std::path::Path;
+
+use crate::error::Result;
+use crate::eye::directional::eta;
+use crate::eye::{Field, Fundamentals, Reading, Set, Steepness};
+use crate::spectrum::Curve;
+
+use super::Progress;
+use super::axes::{Axis, Panel};
+use super::draw::{Anchor, Ink, Sheet};
+use super::palette::{BLACK, BLUE, FAINT, GREEN, GREY, VERMILION};
+
+/// Inks of the L, M and S cones.
+const CONE_INKS: [Ink; 3] = [VERMILION, GREEN, BLUE];
+
+/// p of the paper's Fig. 1, mm^-2.
+const PAPERS_P: [(f64, Ink); 2] = [(0.06, VERMILION), (0.09, BLUE)];
+
+pub(super) fn write(out_dir: &Path, progress: Progress) -> Result<()> {
+    progress("fundamentals: the paper's Figs. 1 to 3");
+    let mut sheet = Sheet::new(1200.0, 1025.0);
+    sheet.bold((600.0, 32.0), "The paper's Figs. 1 to 3, and what is used here", 22, Anchor::Middle, BLACK);
+    weight(&mut sheet);
+    steepness(&mut sheet);
+    whole(&mut sheet);
+    bleached(&mut sheet);
+    sheet.write(out_dir, "fundamentals")
+}
+
+fn panel(left: f64, top: f64, x: Axis<'static>, y: Axis<'static>) -> Panel<'static> {
+    Panel { left, top, width: 470.0, height: 350.0, x, y }
+}
+
+fn linear(from: f64, to: f64, every: f64, label: &'static str) -> Axis<'static> {
+    Axis { from, to, logarithmic: false, every, label }
+}
+
+fn title(sheet: &mut Sheet, panel: &Panel, words: &str) {
+    sheet.bold((panel.left, panel.top - 34.0), words, 16, Anchor::Start, BLACK);
+}
+
+/// An entry of a legend: a sample of the line and words.
+fn legend(sheet: &mut Sheet, at: (f64, f64), ink: Ink, width: f64, dashes: &str, words: &str) {
+    sheet.line((at.0, at.1 - 5.0), (at.0 + 34.0, at.1 - 5.0), ink, width, dashes);
+    sheet.text((at.0 + 42.0, at.1), words, 15, Anchor::Start, BLACK);
+}
+
+/// Fig. 1: eta = 10^(-p r^2) for the paper's two constants, and the pupil's mean that is the default.
+fn weight(sheet: &mut Sheet) {
+    let panel = panel(
+        95.0,
+        115.0,
+        linear(-4.0, 4.0, 1.0, "r, distance from the pupil's centre (mm)"),
+        linear(0.0, 1.0, 0.2, "relative efficiency η"),
+    );
+    panel.frame(sheet);
+    title(sheet, &panel, "Fig. 1: Stiles-Crawford effect");
+    let paper = Reading::Paper { mm_per_degree: 0.29 };
+    let steps = || (-80..=80).map(|i| f64::from(i) / 20.0);
+    let middle = panel.at(0.0, 0.0).0;
+    sheet.line((middle, panel.top), (middle, panel.bottom()), BLACK, 1.0, "");
+    for (p, ink) in PAPERS_P {
+        let at_point: Vec<_> = steps().map(|r| panel.at(r, eta(paper, p, 8.0, r.abs()))).collect();
+        let mean: Vec<_> = steps().map(|r| panel.at(r, eta(Reading::Pupil, p, 2.0 * r.abs(), 0.0))).collect();
+        sheet.polyline(&at_point, ink, 2.4, "");
+        sheet.dashed(&mean, ink, 1.8, 9.0, 6.0);
+    }
+    for ((p, ink), at) in PAPERS_P.into_iter().zip([(2.95, 0.32), (2.0, 0.30)]) {
+        let (anchor, aside) = if p < 0.08 { (Anchor::Start, 8.0) } else { (Anchor::End, -16.0) };
+        let at = panel.at(at.0, at.1);
+        sheet.text((at.0 + aside, at.1), &format!("p = {p}"), 15, anchor, ink);
+    }
+    legend(sheet, (95.0, panel.top - 10.0), GREY, 2.4, "", "a ray at r (paper)");
+    legend(sheet, (285.0, panel.top - 10.0), GREY, 1.8, "9 6", "mean of a pupil of radius r (default)");
+}
+
+/// Fig. 2: p(lambda) as measured, and corrected for the lens.
+fn steepness(sheet: &mut Sheet) {
+    let panel = panel(695.0, 115.0, linear(400.0, 700.0, 50.0, "wavelength (nm)"), linear(0.0, 0.14, 0.02, "p (mm⁻²)"));
+    panel.frame(sheet);
+    title(sheet, &panel, "Fig. 2: how steep, by wavelength");
+    for (p, ink) in PAPERS_P {
+        let (from, to) = (panel.at(400.0, p), panel.at(700.0, p));
+        sheet.line(from, to, ink, 1.2, "2 4");
+    }
+    let curves = [
+        (Steepness::Measured, VERMILION, "measured (default)"),
+        (Steepness::LensCorrected, BLUE, "corrected for the lens (preset paper)"),
+    ];
+    for (i, (steepness, ink, words)) in curves.into_iter().enumerate() {
+        sheet.polyline(&visible(&panel, &steepness.curve(), 1.0), ink, 2.4, "");
+        legend(sheet, (830.0, 143.0 + 22.0 * i as f64), ink, 2.4, "", words);
+    }
+    legend(sheet, (830.0, 187.0), GREY, 1.2, "2 4", "Fig. 1's constants 0.06 and 0.09");
+}
+
+/// A curve from 400 to 700 nm, times a number.
+fn visible(panel: &Panel, curve: &Curve, factor: f64) -> Vec<(f64, f64)> {
+    (400..=700).map(|nm| panel.at(nm as f64, factor * curve.at(nm))).collect()
+}
+
+fn cones_panel(sheet: &mut Sheet, left: f64, words: &str) -> Panel<'static> {
+    let panel = panel(
+        left,
+        595.0,
+        linear(400.0, 700.0, 50.0, "wavelength (nm)"),
+        linear(0.0, 1.0, 0.2, "sensitivity (energy)"),
+    );
+    panel.frame(sheet);
+    title(sheet, &panel, words);
+    panel
+}
+
+/// Fig. 3, top: the paper's fundamentals and the standard ones.
+fn whole(sheet: &mut Sheet) {
+    let panel = cones_panel(sheet, 95.0, "Fig. 3, top: unbleached cones");
+    for (k, ink) in CONE_INKS.into_iter().enumerate() {
+        let [smj, cie] = [Set::Smj1993, Set::Cie2006].map(|set| cones(set).unbleached(k).clone());
+        let peak = panel.at(smj.peak_and_width().0, 0.0).0;
+        sheet.line((peak, panel.top), (peak, panel.bottom()), GREY, 1.0, "");
+        sheet.polyline(&visible(&panel, &smj, 1.0), ink, 2.4, "");
+        sheet.dashed(&visible(&panel, &cie, 1.0), BLACK, 1.4, 5.0, 6.0);
+    }
+    legend(sheet, (95.0, panel.top - 10.0), GREY, 2.4, "", "SMJ 1993 (paper)");
+    legend(sheet, (285.0, panel.top - 10.0), BLACK, 1.4, "5 6", "CIE 2006 (default)");
+}
+
+/// Fig. 3, bottom: half of the pigment gone, in both readings of "narrowing".
+fn bleached(sheet: &mut Sheet) {
+    let panel = cones_panel(sheet, 695.0, "Fig. 3, bottom: half of the pigment bleached");
+    let eye = cones(Set::Smj1993);
+    for (k, ink) in CONE_INKS.into_iter().enumerate() {
+        let half = eye.depleted(k, 0.5);
+        let peak = panel.at(half.peak_and_width().0, 0.0).0;
+        sheet.line((peak, panel.top), (peak, panel.bottom()), FAINT, 1.0, "");
+        sheet.dashed(&visible(&panel, eye.unbleached(k), 1.0), ink, 1.2, 2.0, 4.0);
+        sheet.polyline(&visible(&panel, &half, 1.0 / half.peak()), ink, 2.4, "");
+        sheet.dashed(&visible(&panel, &half, 1.0), ink, 1.8, 9.0, 6.0);
+    }
+    legend(sheet, (695.0, panel.top - 10.0), GREY, 1.2, "2 4", "whole");
+    legend(sheet, (795.0, panel.top - 10.0), GREY, 2.4, "", "narrowed (paper)");
+    legend(sheet, (973.0, panel.top - 10.0), GREY, 1.8, "9 6", "depleted (default)");
+}
+
+fn cones(set: Set) -> Fundamentals {
+    Fundamentals::new(set, Field::TenDegrees, set.optical_density(Field::TenDegrees))
+}
