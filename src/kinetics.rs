@@ -106,6 +106,13 @@ impl Kinetics {
         }
     }
 
+    /// The most by which a relative error of p can grow, however long: pigment that is screened by what lies before
+    /// it bleaches faster, the less there is. 1 for the other laws.
+    pub fn growth(&self) -> f64 {
+        let [none, whole] = [0.0, 1.0].map(|p| self.rates(p, self.half_bleach).bleach);
+        none / whole
+    }
+
     /// dp/dt, 1/s.
     pub fn change(&self, p: f64, light: Trolands) -> f64 {
         self.rates(p, light).change(p)

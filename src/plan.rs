@@ -5,7 +5,7 @@
 //!
 //! A tile whose bound stays below half the budget is left untouched and its pixels are returned as they came. The
 //! first frame that could pass that bound is tracked from p = 1, for good: what was left out before only shrinks,
-//! because every law contracts. Where a frame lasts so long that nothing of the state before it remains, its steady
+//! because every law contracts (relative to p it can grow, under self-screening, by [`Kinetics::growth`]). Where a frame lasts so long that nothing of the state before it remains, its steady
 //! state is taken. A quarter of the budget each goes to that and to the sub-steps of the nonlinear laws.
 //! The bounds run along with the frames: a file is read once.
 
@@ -105,7 +105,7 @@ impl Plan {
         Rule {
             per_half_bleach: pigments.each_ref().map(|p| ROUNDED_UP * rate_at_rest(p) / p.half_bleach.0),
             share: pigments.each_ref().map(|p| -(-dt.0 / p.tau.0).exp_m1()),
-            allowed: self.budget.map_or(0.0, |budget| UNTOUCHED * budget),
+            allowed: self.budget.map_or(0.0, |budget| UNTOUCHED * budget / growth(pigments)),
         }
     }
 
@@ -156,7 +156,9 @@ impl Plan {
     fn terms(&self, asked: Model, pigments: &[Kinetics; 3]) -> Vec<(&'static str, Option<f64>)> {
         let mut terms = Vec::new();
         if self.is_free() {
-            terms.push(("bleaching of places left untouched", Some(self.met.untouched)));
+            // Of a catch: relative to what is left. Once such a place is tracked its relative error may grow a little.
+            let untouched = growth(pigments) * self.met.untouched / (1.0 - self.met.untouched);
+            terms.push(("bleaching of places left untouched", Some(untouched)));
         } else if !matches!(asked, Model::Tracked { .. }) {
             terms.push(("the model that was asked for", None));
         }
@@ -205,6 +207,11 @@ const ROUNDED_UP: f64 = 1.0 + 1e-5;
 /// c: how fast whole pigment bleaches under one half-bleach light, times tau.
 fn rate_at_rest(pigment: &Kinetics) -> f64 {
     pigment.rates(1.0, pigment.half_bleach).bleach * pigment.tau.0
+}
+
+/// The most by which a relative error can grow in any class.
+fn growth(pigments: &[Kinetics; 3]) -> f64 {
+    pigments.iter().map(Kinetics::growth).fold(1.0, f64::max)
 }
 
 /// The most that can remain after a step of where pigment was before it, whatever the light.

@@ -80,10 +80,10 @@ fn error_and_bound(vision: &Vision, scene: &Scene) -> (f64, f64) {
             let at = [i % WIDTH, i / WIDTH];
             let moments = vision.moments(planes, at[0], at[1]);
             let td = vision.illuminance(&moments, &weights);
-            *p = [0, 1, 2].map(|k| step::advance(&scene.pigments[k], p[k], Trolands(td[k]), *dt, 64));
+            *p = [0, 1, 2].map(|k| step::advance(&scene.pigments[k], p[k], Trolands(td[k]), *dt, 48));
             let ours = viewer.fractions_at([0.0; 2], at);
             worst = (0..3).map(|k| (ours[k] - p[k]).abs()).fold(worst, f64::max);
-            if i % 25 == 0 {
+            if i % 100 == 0 {
                 worst = worst.max(error_of_catch(vision, planes, at, ours, *p));
             }
         }
