@@ -2,7 +2,9 @@
 //!
 //! A catch through a pigment at p is, within 2e-4, a sum over four fixed spectra (numerics 5.3):
 //!
-//!     R_k(p) = p sum_j w_j(p) M_kj,   M_kj = 683 integral L H_k(.; p_j),   H = s_k(.; p)/p,   p_j = 0, 1/4, 3/4, 1
+//! ```text
+//! R_k(p) = p sum_j w_j(p) M_kj,   M_kj = 683 integral L H_k(.; p_j),   H = s_k(.; p)/p,   p_j = 0, 1/4, 3/4, 1
+//! ```
 //!
 //! with Lagrange weights w_j. Cone illuminance takes one more inner product per level of the Stiles-Crawford
 //! weight. So the light is projected once ([`Vision::projection`]), whatever pupil and pigment do: the *moments*.

@@ -1,6 +1,6 @@
 //! The built-in scene: a low sun over the sea, or over land, as spectral radiance.
 //!
-//! The sun's disc is exact within the model of [`sun`]; sky, sea and land are painted with light scattered out of the
+//! The sun's disc is exact within the model of `sun`; sky, sea and land are painted with light scattered out of the
 //! same sun. The picture is 8 degrees across, the sun in its middle.
 
 mod ground;
@@ -132,6 +132,13 @@ impl Sunset {
             }
         }
     }
+
+    /// Spectral radiance of a pixel, band by band.
+    fn spectrum(&self, x: usize, y: usize) -> Vec<f32> {
+        let nits = self.light(self.aside(x), self.above(y as f64)).as_array();
+        let band = |i: usize| (0..LIGHTS).map(|k| nits[k] * self.spectra[k][i]).sum::<f64>() as f32;
+        (0..self.spectra[0].len()).map(band).collect()
+    }
 }
 
 /// Bands of 5 nm from 390 to 730 nm.
@@ -161,7 +168,10 @@ impl Footage for Sunset {
         let lights = light::projected(&self.spectra, projection);
         if let Samples::Float(samples) = &mut planes.samples {
             let rows = samples.par_chunks_exact_mut(projection.rows * width).enumerate();
-            rows.for_each(|(y, row)| self.paint_row(y, &lights, row));
+            rows.for_each(|(y, row)| {
+                self.paint_row(y, &lights, row);
+                projection.kept_columns(y).for_each(|x| projection.remember(y, x, &self.spectrum(x, y)));
+            });
         }
         Ok(Frame { planes, tally: Tally::default() })
     }
