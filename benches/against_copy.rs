@@ -45,7 +45,8 @@ fn in_turns(work: &mut dyn FnMut(), copy: &mut dyn FnMut()) -> (Duration, Durati
         work();
         begun.elapsed()
     };
-    (timed(work), timed(copy));
+    timed(work);
+    timed(copy);
     let turns: Vec<(Duration, Duration)> = (0..TURNS).map(|_| (timed(work), timed(copy))).collect();
     let mut ours: Vec<Duration> = turns.iter().map(|turn| turn.0).collect();
     let mut copies: Vec<Duration> = turns.iter().map(|turn| turn.1).collect();

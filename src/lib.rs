@@ -60,6 +60,7 @@
 //! count V twice. The effect of the pupil's margin (Stiles-Crawford) enters the trolands only, never the percept.
 
 pub mod chart;
+pub mod check;
 pub mod colour;
 pub mod config;
 pub mod constants;

@@ -7,9 +7,11 @@
 //! * Spectral light is never held whole. Each block of rows is projected as it is decoded by a [`Projection`]
 //!   onto the few inner products that the retina and the percept need; those are the planes.
 
+use std::sync::{Arc, Mutex};
+
 use half::f16;
 
-use crate::kernel;
+use crate::kernel::{self, BandSums, Strip};
 
 /// Samples of all planes, in the width of the file they came from.
 #[derive(Clone, Debug, PartialEq)]
@@ -116,13 +118,27 @@ pub struct Projection {
     pub bands: usize,
     pub rows: usize,
     pub weights: Vec<f32>,
+    /// For each stored band its number among the bands, and the factor to radiance.
+    stored: Vec<(usize, f64)>,
+    /// Places whose whole spectra are to be remembered on the way.
+    kept: Option<Arc<Kept>>,
 }
 
 impl Projection {
+    /// A map with these weights.
+    pub fn new(bands: usize, rows: usize, weights: Vec<f32>) -> Projection {
+        Projection { bands, rows, weights, stored: (0..bands).map(|i| (i, 1.0)).collect(), kept: None }
+    }
+
     /// Every band kept as it is.
     pub fn identity(bands: usize) -> Projection {
         let weights = (0..bands * bands).map(|i| if i % (bands + 1) == 0 { 1.0 } else { 0.0 }).collect();
-        Projection { bands, rows: bands, weights }
+        Projection::new(bands, bands, weights)
+    }
+
+    /// The same map, which remembers the spectra of some places.
+    pub fn keeping(&self, kept: Arc<Kept>) -> Projection {
+        Projection { kept: Some(kept), ..self.clone() }
     }
 
     /// The same map for bands that are stored in another order and scale: stored band `i` is band `order[i]` of
@@ -134,21 +150,57 @@ impl Projection {
                 order.iter().zip(scale).map(move |(&band, s)| (f64::from(of_row[band]) * s) as f32)
             })
             .collect();
-        Projection { bands: order.len(), rows: self.rows, weights }
+        let stored = order.iter().copied().zip(scale.iter().copied()).collect();
+        Projection { bands: order.len(), rows: self.rows, weights, stored, kept: self.kept.clone() }
     }
 
     /// Projects one row: `bands` runs of `width` samples in, `rows` runs of `width` sums out, added in band order.
     pub fn project(&self, bands: &[f32], out: &mut [f32]) {
         let width = bands.len() / self.bands;
-        for (row, sums) in out.chunks_exact_mut(width).enumerate() {
-            sums.fill(0.0);
-            let weights = &self.weights[row * self.bands..][..self.bands];
-            for (weight, samples) in weights.iter().zip(bands.chunks_exact(width)) {
-                for (sum, sample) in sums.iter_mut().zip(samples) {
-                    *sum += weight * sample;
-                }
+        let rows: Vec<Vec<f32>> = self.weights.chunks_exact(self.bands).map(<[f32]>::to_vec).collect();
+        BandSums::new(&rows).project(Strip::whole(bands, width), out);
+    }
+
+    /// Remembers the spectra of the places that lie in row `y`; `bands` begins at column `left` of the frame.
+    pub fn remember(&self, y: usize, left: usize, bands: &[f32]) {
+        let Some(kept) = &self.kept else { return };
+        let width = bands.len() / self.bands;
+        for (place, spectrum) in kept.places.iter().zip(&kept.spectra).filter(|([_, row], _)| *row == y) {
+            let Some(x) = place[0].checked_sub(left).filter(|x| *x < width) else { continue };
+            let mut values = vec![0.0; self.bands];
+            for (i, &(band, scale)) in self.stored.iter().enumerate() {
+                values[band] = f64::from(bands[i * width + x]) * scale;
+            }
+            if let Ok(mut spectrum) = spectrum.lock() {
+                *spectrum = values;
             }
         }
+    }
+}
+
+/// The spectra of a few places of one frame, as they were before any projection.
+#[derive(Debug)]
+pub struct Kept {
+    places: Vec<[usize; 2]>,
+    spectra: Vec<Mutex<Vec<f64>>>,
+}
+
+/// Rooms for the same places are alike, whatever they hold.
+impl PartialEq for Kept {
+    fn eq(&self, other: &Kept) -> bool {
+        self.places == other.places
+    }
+}
+
+impl Kept {
+    /// Room for these places: column and row of each.
+    pub fn new(places: &[[usize; 2]]) -> Self {
+        Kept { places: places.to_vec(), spectra: places.iter().map(|_| Mutex::new(Vec::new())).collect() }
+    }
+
+    /// Radiance of place `i`, band by band; empty where the frame had no data.
+    pub fn spectrum(&self, i: usize) -> Vec<f64> {
+        self.spectra[i].lock().map_or_else(|poisoned| poisoned.into_inner().clone(), |spectrum| spectrum.clone())
     }
 }
 

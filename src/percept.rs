@@ -21,7 +21,7 @@ pub const LEVELS: [f64; 4] = [0.0, 0.25, 0.75, 1.0];
 pub const LEVEL_BOUND: f64 = 1.9e-4;
 
 /// How planes become moments.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 enum Reception {
     /// Three planes of RGB; each moment is a row of three weights.
     Rgb(Vec<[f64; 3]>),
@@ -42,6 +42,8 @@ pub struct Vision {
     pub seen_to_srgb: Matrix,
     /// Planes -> luminance in cd/m2, for the pupil and the display.
     pub luminance: Vec<f64>,
+    /// Spectral radiance, W m^-2 sr^-1 nm^-1, of each stored plane at the value 1: RGB, or the bands.
+    basis: Vec<Curve>,
     /// `narrowed` reading: H_k at the levels, for each wavelength at which the fundamental peaks at some p.
     peaks: Option<[Vec<[f64; 4]>; 3]>,
 }
@@ -66,6 +68,7 @@ impl Vision {
             seen_to_srgb: colour::scaled(&to_srgb, white.0),
             luminance: y.iter().map(|v| v * white.0).collect(),
             reception: Reception::Rgb(rows.iter().map(row).collect()),
+            basis: basis_of_rgb(&srgb, &to_srgb, white),
             peaks: peaks(&observer),
             observer,
         })
@@ -83,7 +86,8 @@ impl Vision {
             lms_to_seen: colour::inverse(&srgb_catches(&observer, &srgb_lights(&observer))),
             seen_to_srgb: colour::IDENTITY,
             luminance,
-            reception: Reception::Bands(Projection { bands: bands.len(), rows: rows.len(), weights }),
+            reception: Reception::Bands(Projection::new(bands.len(), rows.len(), weights)),
+            basis: bands.as_slice().iter().map(|band| Curve::within(band.low, band.high)).collect(),
             peaks: peaks(&observer),
             observer,
         }
@@ -102,6 +106,11 @@ impl Vision {
             vision.reception = Reception::Held(projection);
         }
         vision
+    }
+
+    /// The light of each stored plane, RGB or bands, at the value 1: what the definition of a catch takes.
+    pub fn basis(&self) -> &[Curve] {
+        &self.basis
     }
 
     /// Whether the percept of an unbleached eye is the frame itself: so for RGB.
@@ -256,6 +265,20 @@ fn srgb_lights(observer: &Observer) -> [Vec<(usize, f64)>; 3] {
     let v = observer.luminous_efficiency();
     let white: f64 = raw.iter().map(|light| inner(&v, light)).sum();
     raw.map(|light| light.into_iter().map(|(nm, e)| (nm, e / white)).collect())
+}
+
+/// Radiance of R, G and B in a picture's own primaries.
+fn basis_of_rgb(srgb: &[Vec<(usize, f64)>; 3], to_srgb: &Matrix, white: Nits) -> Vec<Curve> {
+    let of_primary = |j: usize| {
+        let mut light = Curve::sampled(|_| 0.0);
+        for (i, lines) in srgb.iter().enumerate() {
+            for (nm, e) in lines.iter().filter(|(nm, _)| (Curve::FROM..=Curve::TO).contains(nm)) {
+                light.0[nm - Curve::FROM] += white.0 * to_srgb[i][j] * e / LUMENS_PER_WATT;
+            }
+        }
+        light
+    };
+    (0..3).map(of_primary).collect()
 }
 
 /// Inner product of a curve with a light on the basis' grid.

@@ -62,6 +62,9 @@ impl Rule {
     /// What may have bleached unseen after a step whose light is at most `greatest`, td; infinity once that is too
     /// much to be left out.
     pub fn after(&self, bound: f64, greatest: [f32; 3]) -> f64 {
+        if bound.is_infinite() {
+            return bound;
+        }
         let of_cone = |k: usize| {
             let most = f64::from(greatest[k]) * self.per_half_bleach[k];
             bound + self.share[k] * (most - bound)

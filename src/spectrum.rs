@@ -150,9 +150,18 @@ impl Curve {
     }
 
     fn between(&self, low: f64, high: f64) -> f64 {
-        let overlap = |nm: f64| ((nm + 0.5).min(high) - (nm - 0.5).max(low)).max(0.0);
-        Self::wavelengths().zip(&self.0).map(|(nm, v)| v * overlap(nm)).sum()
+        Self::wavelengths().zip(&self.0).map(|(nm, v)| v * overlap(nm, low, high)).sum()
     }
+
+    /// How much of each nanometre lies between two wavelengths: a light of 1 in just that band.
+    pub fn within(low: f64, high: f64) -> Curve {
+        Curve::sampled(|nm| overlap(nm, low, high))
+    }
+}
+
+/// How much of the nanometre around `nm` lies between two wavelengths.
+fn overlap(nm: f64, low: f64, high: f64) -> f64 {
+    ((nm + 0.5).min(high) - (nm - 0.5).max(low)).max(0.0)
 }
 
 /// A published table as it stands in `data/`: rising wavelengths in the first column.

@@ -65,7 +65,7 @@ fn thirty_one_bands_and_four_hold_the_same_light() {
         let footage = constant_sky(name);
         let bands = bands(footage.header());
         let widths = bands.iter().map(|band| band.1 as f32).collect();
-        let all = Projection { bands: bands.len(), rows: 1, weights: widths };
+        let all = Projection::new(bands.len(), 1, widths);
         top_means(&footage.read(0, Some(&all), None).unwrap(), 4)[0]
     };
     let (fine, coarse) = (light("mi_scalar_spectral_const_n31.exr"), light("mi_scalar_spectral_const_n4.exr"));
@@ -128,7 +128,7 @@ fn the_rendered_sunset_has_its_published_luminances() {
         (683.002 * near.1 * 10.0) as f32
     };
     let weights = bands.as_slice().iter().map(|band| weight(band.centre)).collect();
-    let luminance = Projection { bands: bands.len(), rows: 1, weights };
+    let luminance = Projection::new(bands.len(), 1, weights);
     let frame = footage.read(0, Some(&luminance), None).unwrap();
     let Samples::Float(values) = &frame.planes.samples else { panic!("not float") };
     let largest = values.iter().fold(0f32, |a, b| a.max(*b));
@@ -246,7 +246,7 @@ fn frames_are_the_same_on_one_thread_and_on_three() {
     let footage = open(&[path], &ReadOptions::default()).unwrap();
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let planes = Projection { bands: 31, rows: 2, weights: (0..62).map(|i| i as f32 * 0.37).collect() };
+        let planes = Projection::new(31, 2, (0..62).map(|i| i as f32 * 0.37).collect());
         pool.install(|| footage.read(0, Some(&planes), None)).unwrap().planes
     };
     assert_eq!(on(1), on(3));

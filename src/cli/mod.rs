@@ -3,6 +3,7 @@
 mod chart;
 mod completions;
 mod inspect;
+mod plan;
 mod run;
 mod sweep;
 mod table;
@@ -60,6 +61,13 @@ enum Command {
         after_help = "Example:\n  sungaze validate --out out/validate\n  sungaze validate --set 'observer.tau_s=[121.2, 121.2, 121.2]'   fails: one per cent off"
     )]
     Validate {
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Say what a run would model and what it would leave out, each with its error bound and cost. Writes nothing.
+    #[command(after_help = "Example:\n  sungaze plan configs/sunset.toml")]
+    Plan {
+        config: PathBuf,
         #[command(flatten)]
         common: Common,
     },
@@ -153,6 +161,7 @@ fn dispatch(command: Command) -> Result<ExitCode> {
         Command::Run { config, common } => run::command(config.as_deref(), &common),
         Command::Sweep { config, asked, common } => sweep::command(&config, &asked, &common),
         Command::Chart { names, common } => chart::command(&names, &common),
+        Command::Plan { config, common } => plan::command(&config, &common),
         Command::Inspect { files, common } => inspect::command(&files, &common),
         Command::Validate { common } => validate::command(&common),
         Command::Completions { shell } => {

@@ -82,6 +82,7 @@ impl EnviPicture {
                         self.fetch(&bytes, lines.len(), i, self.order[band], samples);
                         census.admit(samples, band, (0, y), mending);
                     }
+                    projection.remember(y, 0, row);
                     projection.project(row, &mut out[i * projection.rows * width..][..projection.rows * width]);
                 }
                 Ok(census)

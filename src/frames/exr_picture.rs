@@ -131,6 +131,7 @@ impl ExrPicture {
                     rows.fetch(i, places[band], samples);
                     census.admit(samples, band, (columns.start, y), mending);
                 }
+                projection.remember(y, columns.start, row);
                 let out = &mut out[i * projection.rows * width..][..projection.rows * width];
                 if columns.len() == width {
                     projection.project(row, out);

@@ -146,7 +146,7 @@ fn band_ranges(picture: &dyn Picture, bands: usize, weights: Option<Vec<f64>>) -
     for first in (0..bands).step_by(AT_ONCE) {
         let chosen = first..bands.min(first + AT_ONCE);
         let (rows, weights) = (chosen.len(), chosen.flat_map(unit).collect());
-        let read = picture.decode(Some(&Projection { bands, rows, weights }), None)?;
+        let read = picture.decode(Some(&Projection::new(bands, rows, weights)), None)?;
         ranges.extend((0..rows).map(|i| range(&read.planes, |x, y| read.planes.at(x, y, i))));
         tally = read.tally;
     }
@@ -154,7 +154,7 @@ fn band_ranges(picture: &dyn Picture, bands: usize, weights: Option<Vec<f64>>) -
         None => None,
         Some(weights) => {
             let weights = weights.iter().map(|weight| *weight as f32).collect();
-            let planes = picture.decode(Some(&Projection { bands, rows: 1, weights }), None)?.planes;
+            let planes = picture.decode(Some(&Projection::new(bands, 1, weights)), None)?.planes;
             Some(range(&planes, |x, y| planes.at(x, y, 0)))
         }
     };

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::check::Check;
 use crate::error::{Error, Result};
 use crate::frames::atomic::write_whole;
 use crate::run::report::Counters;
@@ -29,6 +30,7 @@ pub struct Checkpoint {
     pub retina_origin: [i64; 2],
     pub beyond: [u64; 3],
     pub counters: Counters,
+    pub check: Option<Check>,
     /// Byte lengths of `trace.csv` and `probes.csv`.
     pub lengths: [u64; 2],
     /// How many numbers of each follow.
@@ -53,6 +55,7 @@ pub struct Header {
     pub retina_origin: [i64; 2],
     pub beyond: [f64; 3],
     pub counters: Counters,
+    pub check: Option<Check>,
 }
 
 impl Checkpoint {
@@ -67,6 +70,7 @@ impl Checkpoint {
             retina_origin: header.retina_origin,
             beyond: header.beyond.map(f64::to_bits),
             counters: header.counters,
+            check: header.check,
             lengths: [0; 2],
             counts: [retina.len(), map.len(), pupil.len(), plan.len()],
             retina,
@@ -97,6 +101,7 @@ impl Checkpoint {
         Checkpoint {
             config: self.config.clone(),
             counters: self.counters.clone(),
+            check: self.check.clone(),
             retina: vec![],
             map: vec![],
             pupil: vec![],
@@ -173,6 +178,7 @@ mod tests {
             retina_origin: [-3, 4],
             beyond: [0.1 + 0.2, 1.0, 1e-300],
             counters: Counters::default(),
+            check: None,
         };
         let written = Checkpoint::new(
             header,

@@ -9,6 +9,7 @@ mod gaze;
 mod plot;
 mod reader;
 pub mod record;
+mod rehearse;
 pub mod report;
 mod scene;
 pub mod schedule;
@@ -24,6 +25,7 @@ use std::time::{Duration, Instant};
 use ndarray::Array3;
 use serde_json::{Value, json};
 
+use crate::check::Check;
 use crate::config::settings::{DisplayFile, SeenKey, StateKey};
 use crate::config::{Config, Settings};
 use crate::display::{Display, ToneMap};
@@ -42,6 +44,7 @@ pub use folder::{Existing, not_empty};
 pub use gaze::Gaze;
 use reader::Loaded;
 use record::{Probe, Reading};
+pub use rehearse::rehearse;
 use report::Counters;
 pub use scene::Scene;
 use schedule::Step;
@@ -96,6 +99,7 @@ struct Eye {
     display: Option<Display>,
     map: Option<Arc<ToneMap>>,
     counters: Counters,
+    check: Option<Check>,
     state: StateKey,
     config: Value,
     done: usize,
@@ -121,6 +125,7 @@ impl Eye {
             display: (config.settings.output.display == DisplayFile::Png).then(|| scene.display(config)),
             map: None,
             counters: Counters { held_frames: scene.held.clone(), ..Counters::default() },
+            check: None,
             state: config.settings.output.state,
             config: resolved,
             done: 0,
@@ -140,7 +145,7 @@ impl Eye {
         self.viewer.pupil.restore(&c.pupil);
         self.viewer.plan.restore(&c.plan);
         self.map = self.display.as_ref().and_then(|display| display.restore(c.map)).map(Arc::new);
-        (self.counters, self.done) = (c.counters, c.done);
+        (self.counters, self.done, self.check) = (c.counters, c.done, c.check);
         Ok(())
     }
 
@@ -155,10 +160,21 @@ impl Eye {
             retina_origin: retina.origin(),
             beyond: retina.beyond(),
             counters: self.counters.clone(),
+            check: self.check.clone(),
         };
         let map = self.map.as_ref().map_or(Vec::new(), |map| map.levels().to_vec());
         let plan = self.viewer.plan.to_numbers();
         Checkpoint::new(header, retina.fractions().to_vec(), map, self.viewer.pupil.to_numbers(), plan)
+    }
+
+    /// The places of the sampled check: `None`: to be chosen on the first frame; none where a model was asked for
+    /// that is not meant to be true.
+    fn places_to_check(&self) -> Option<Vec<[usize; 2]>> {
+        match (&self.check, self.viewer.model) {
+            (Some(check), _) => Some(check.places.clone()),
+            (None, Model::Tracked { .. }) => None,
+            _ => Some(Vec::new()),
+        }
     }
 
     /// The steady state of the first frame, before the first look.
@@ -180,7 +196,10 @@ impl Eye {
         if adapt {
             self.adapt(loaded, gaze, duration);
         }
+        let mut check = self.check.take().unwrap_or_else(|| self.viewer.check(&loaded.places));
         let look = self.viewer.look(planes, &loaded.survey, gaze, duration, recycled);
+        self.viewer.compare(&mut check, planes, loaded.kept.as_deref(), &look, gaze, duration);
+        self.check = Some(check);
         self.meet(&look, step, size[0] * size[1]);
         let readings: Vec<Reading> =
             self.probes.iter().map(|probe| probe.read(&self.viewer, planes, &look, gaze)).collect();
@@ -277,10 +296,8 @@ fn stages(
     let (give_back, spent_planes) = sync_channel(QUEUE + 2);
     let (give_back_seen, spent_seen) = sync_channel(QUEUE + 2);
     std::thread::scope(|threads| {
-        let reader = threads.spawn(move || {
-            let pace = scene.pixels_per_degree;
-            reader::read_all(&*scene.footage, &scene.vision, pace, steps, &to_eye, &spent_planes)
-        });
+        let sequence = scene.sequence(eye.places_to_check());
+        let reader = threads.spawn(move || reader::read_all(sequence, steps, &to_eye, &spent_planes));
         let writer = threads.spawn(move || writer.write_all(tables, &from_eye, &give_back_seen, watch, progress));
         let links = Links { from_reader: &from_reader, to_writer, give_back: &give_back, spent_seen: &spent_seen };
         let looked = look_at_all(config, scene, eye, links, watch);
@@ -381,12 +398,18 @@ fn finish(
         watch.warn(&warning);
         warnings.push(warning);
     }
+    let failed = eye.check.as_ref().filter(|_| eye.viewer.plan.is_free());
+    let failed = failed.and_then(|check| check.beyond(config.settings.numerics.budget));
+    if let Some(warning) = &failed {
+        watch.warn(warning);
+        warnings.push(warning.clone());
+    }
     let report = json!({
         "config": eye.config,
         "version": env!("CARGO_PKG_VERSION"),
         "constants": report::constants(config),
         "plan": eye.viewer.plan.report(eye.viewer.model, &eye.viewer.pigments),
-        "check": { "samples": 0, "max_error_p": null, "max_error_catch": null },
+        "check": eye.check.as_ref().map(Check::report),
         "frames": {
             "count": scene.steps.len(),
             "width": scene.footage.header().width,
@@ -410,7 +433,7 @@ fn finish(
     });
     frames::atomic::write_text(&folder.join("report.json"), &format!("{report:#}\n"))?;
     Checkpoint::remove(folder)?;
-    Ok(Outcome { report, went_on: eye.counters.went_on(), already: false })
+    Ok(Outcome { report, went_on: eye.counters.went_on() || failed.is_some(), already: false })
 }
 
 /// Makes the film that `output.video` asks for, or says how to.

@@ -4,10 +4,11 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender};
 use std::time::{Duration, Instant};
 
+use crate::check;
 use crate::display::Survey;
 use crate::error::Result;
 use crate::frames::Footage;
-use crate::light::{Frame, Planes};
+use crate::light::{Frame, Kept, Planes};
 use crate::percept::Vision;
 use crate::run::schedule::Step;
 use crate::viewer;
@@ -16,14 +17,45 @@ use crate::viewer;
 pub struct Loaded {
     pub frame: Frame,
     pub survey: Survey,
+    /// The places of the sampled check, and their spectra where frames hold bands.
+    pub places: Arc<Vec<[usize; 2]>>,
+    pub kept: Option<Arc<Kept>>,
+}
+
+/// The footage as the reader sees it.
+pub struct Sequence<'a> {
+    pub footage: &'a dyn Footage,
+    pub vision: &'a Vision,
+    pub pixels_per_degree: f64,
+    /// The places to check: none, these, or (`None`) such as the first frame suggests.
+    pub places: Option<Vec<[usize; 2]>>,
+}
+
+impl Sequence<'_> {
+    /// Decodes and surveys one file. The first one is decoded twice if its places are still to be chosen and its
+    /// spectra to be kept.
+    pub fn load(&mut self, file: usize, recycled: Option<Planes>) -> Result<Loaded> {
+        if self.places.is_none() {
+            let first = self.footage.read(file, self.vision.projection(), recycled)?;
+            self.places = Some(check::places(self.vision, &first.planes));
+            return self.load(file, Some(first.planes));
+        }
+        let places = Arc::new(self.places.clone().unwrap_or_default());
+        let kept = if places.is_empty() { None } else { check::room(self.vision, &places) };
+        let keeping = match (self.vision.projection(), &kept) {
+            (Some(projection), Some(kept)) => Some(projection.keeping(kept.clone())),
+            (projection, _) => projection.cloned(),
+        };
+        let frame = self.footage.read(file, keeping.as_ref(), recycled)?;
+        let survey = viewer::survey(self.vision, &frame.planes, self.pixels_per_degree);
+        Ok(Loaded { frame, survey, places, kept })
+    }
 }
 
 /// Reads the file of every step in order, each file that follows itself once, until the eye hangs up.
 /// `spent` holds planes to be written over. Returns the time spent in decoding.
 pub fn read_all(
-    footage: &dyn Footage,
-    vision: &Vision,
-    pixels_per_degree: f64,
+    mut sequence: Sequence<'_>,
     steps: &[Step],
     to_eye: &SyncSender<Result<Arc<Loaded>>>,
     spent: &Receiver<Planes>,
@@ -37,11 +69,7 @@ pub fn read_all(
                 // Let go of the frame before, so that its planes can come back to be written over.
                 drop(last.take());
                 let begun = Instant::now();
-                let frame = footage.read(step.file, vision.projection(), spent.try_recv().ok());
-                let loaded = frame.map(|frame| {
-                    let survey = viewer::survey(vision, &frame.planes, pixels_per_degree);
-                    Arc::new(Loaded { frame, survey })
-                });
+                let loaded = sequence.load(step.file, spent.try_recv().ok()).map(Arc::new);
                 busy += begun.elapsed();
                 loaded
             }

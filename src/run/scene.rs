@@ -6,6 +6,7 @@ use crate::error::Result;
 use crate::frames::{self, About, Footage, Kind, builtin};
 use crate::light::Primaries;
 use crate::percept::Vision;
+use crate::run::reader::Sequence;
 use crate::run::schedule::{self, Step};
 use crate::units::Nits;
 
@@ -56,6 +57,12 @@ impl Scene {
     /// The display of `[display]`, with this observer's luminance.
     pub fn display(&self, config: &Config) -> Display {
         Display { luminance: self.vision.srgb_luminance(), ..config.display() }
+    }
+
+    /// The footage for the reader. `places`: those to check; `None`: such as the first frame suggests.
+    pub fn sequence(&self, places: Option<Vec<[usize; 2]>>) -> Sequence<'_> {
+        let (footage, vision, pixels_per_degree) = (&*self.footage, &self.vision, self.pixels_per_degree);
+        Sequence { footage, vision, pixels_per_degree, places }
     }
 
     /// What the percept's files say of themselves.

@@ -6,6 +6,7 @@
 //! retina ([`Viewer::expose`]) and the percept's way back ([`Viewer::perceive`]), each with its own resampling.
 
 mod census;
+mod checked;
 mod field;
 mod fovea;
 mod sight;
@@ -165,7 +166,8 @@ impl Viewer {
                             census = census.and(Census::of_untouched(*left_out));
                         }
                     }
-                    if left_out.is_finite() && returns_light {
+                    let whole = left_out.is_finite() && (moves || p.iter().all(|p| kernel::least(p) == 1.0));
+                    if whole && returns_light {
                         let planes = [light.plane(0), light.plane(1), light.plane(2)];
                         census.limited += stored(planes, seen, from);
                     } else {

@@ -54,7 +54,7 @@ pub(super) fn spectra(bands: &Bands, elevation_deg: f64, turbidity: f64) -> [Vec
         bands.as_slice().iter().map(|band| sun::radiance(band.centre, elevation_deg, turbidity)).collect();
     let nits = sun::luminance(bands, &disc);
     let scattered = |higher: f64, blue: f64| sun::scattered(bands, (elevation_deg + higher).min(90.0), turbidity, blue);
-    [disc.into_iter().map(|v| v / nits).collect(), scattered(2.2, 0.2), scattered(4.0, 0.15), scattered(18.0, 0.65)]
+    [disc.into_iter().map(|v| v / nits).collect(), scattered(3.5, 0.2), scattered(9.0, 0.25), scattered(22.0, 0.8)]
 }
 
 /// What a projection keeps of spectra, one run of planes for each.

@@ -10,7 +10,7 @@ pub(super) fn sky(from_sun: f64, above: f64) -> Mixture {
     let low = (-above.max(0.0) / 2.2).exp();
     Mixture {
         ember: 700.0 * (-from_sun / 3.2).exp() * low + 120.0 * low * low,
-        gold: 2600.0 * (-(from_sun / 0.9).powi(2)).exp() + 1500.0 * (-from_sun / 1.8).exp() + 150.0 * low,
+        gold: 1500.0 * (-from_sun / 0.6).exp() + 1700.0 * (-from_sun / 1.9).exp() + 150.0 * low,
         air: 110.0 + 160.0 * (1.0 - (-from_sun / 1.2).exp()) * (-from_sun / 5.0).exp(),
         ..Mixture::DARK
     }

@@ -1,0 +1,223 @@
+//! The sampled check: a few hundred places of the run at full model beside it, and how far the two are apart.
+//!
+//! Full model: f64, every band, the definition of catch and illuminance at every nanometre instead of levels,
+//! sixteen sub-steps, nothing left out. 192 places are spread over the picture, one in each cell of a grid; 64 are the
+//! brightest and the darkest of the first frame. With n places spread at random and none beyond a bound, fewer than
+//! 3/n of all are beyond it, with 95 % confidence.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use crate::eye::pupil;
+use crate::kinetics::Kinetics;
+use crate::light::{Kept, Planes};
+use crate::percept::Vision;
+use crate::spectrum::Curve;
+use crate::step;
+use crate::units::{LUMENS_PER_WATT, Millimetres, Seconds, Trolands};
+
+/// Columns and rows of the grid of spread places.
+const GRID: [usize; 2] = [16, 12];
+
+/// How many of the brightest places are taken, and how many of the darkest.
+const EXTREMES: usize = 32;
+
+const SUBSTEPS: u32 = 16;
+
+/// Places at full model and how far the run has been from them.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Check {
+    /// Column and row of each place.
+    pub places: Vec<[usize; 2]>,
+    /// Unbleached fractions at full model. Everything is kept as bits: from a checkpoint it is to come back exactly.
+    p: Vec<[u64; 3]>,
+    /// The greatest error of p and of a catch at each place so far.
+    errors: Vec<[u64; 2]>,
+    frames: u32,
+    /// Whether the gaze has moved: what a place then sees is between pixels, and the check rests.
+    rests: bool,
+}
+
+/// One frame as the check needs it.
+pub struct Exposure<'a> {
+    pub vision: &'a Vision,
+    pub pigments: &'a [Kinetics; 3],
+    /// What each place's spectrum was, band by band; RGB is read from the planes.
+    pub kept: Option<&'a Kept>,
+    pub planes: &'a Planes,
+    pub pupil: Millimetres,
+    pub gaze: [f64; 2],
+    pub pixels_per_degree: f64,
+    pub duration: Seconds,
+}
+
+impl Check {
+    /// A check of these places, from the fractions that the run starts with.
+    pub fn new(places: Vec<[usize; 2]>, start: impl Fn([usize; 2]) -> [f64; 3]) -> Self {
+        let p = places.iter().map(|&at| start(at).map(f64::to_bits)).collect();
+        let errors = vec![[0; 2]; places.len()];
+        Check { places, p, errors, frames: 0, rests: false }
+    }
+
+    /// Moves the places by one frame and compares them with the run's fractions after it.
+    pub fn follow(&mut self, exposure: &Exposure<'_>, moved: bool, run: impl Fn([usize; 2]) -> [f64; 3]) {
+        self.rests |= moved;
+        if self.rests {
+            return;
+        }
+        self.frames += 1;
+        let weights = exposure.weights(0.0);
+        for (i, &at) in self.places.iter().enumerate() {
+            let light = exposure.light(i, at);
+            let own = exposure.distance(at).map(|r| exposure.weights(r));
+            let td = illuminance(own.as_ref().unwrap_or(&weights), &light);
+            let before = self.p[i].map(f64::from_bits);
+            let after = [0, 1, 2]
+                .map(|k| step::advance(&exposure.pigments[k], before[k], Trolands(td[k]), exposure.duration, SUBSTEPS));
+            self.p[i] = after.map(f64::to_bits);
+            let ours = run(at);
+            let [mut of_p, mut of_catch] = self.errors[i].map(f64::from_bits);
+            of_p = (0..3).map(|k| (ours[k] - after[k]).abs()).fold(of_p, f64::max);
+            // Catches by the definition take a power at every nanometre: now and then is enough.
+            if self.frames.is_power_of_two() {
+                of_catch = of_catch.max(exposure.error_of_catch(&light, at, ours, after));
+            }
+            self.errors[i] = [of_p, of_catch].map(f64::to_bits);
+        }
+    }
+
+    /// The largest error of p and of a catch.
+    pub fn largest(&self) -> [f64; 2] {
+        [0, 1].map(|which| self.errors(which).fold(0.0, f64::max))
+    }
+
+    fn errors(&self, which: usize) -> impl Iterator<Item = f64> + '_ {
+        self.errors.iter().map(move |errors| f64::from_bits(errors[which]))
+    }
+
+    /// For the report.
+    pub fn report(&self) -> Value {
+        let [p, catch] = self.largest();
+        json!({
+            "samples": self.places.len(),
+            "frames": self.frames,
+            "max_error_p": p,
+            "max_error_catch": catch,
+            "p95_error_p": percentile(self.errors(0).collect()),
+            "p95_error_catch": percentile(self.errors(1).collect()),
+        })
+    }
+
+    /// A sentence on the places beyond a budget; `None` if there are none.
+    pub fn beyond(&self, budget: f64) -> Option<String> {
+        let errors = self.errors(0).zip(self.errors(1)).map(|(a, b)| a.max(b));
+        let beyond: Vec<_> = self.places.iter().zip(errors).filter(|(_, error)| *error > budget).collect();
+        let named: Vec<String> =
+            beyond.iter().take(8).map(|([x, y], error)| format!("({x}, {y}) by {error:.1e}")).collect();
+        (!beyond.is_empty()).then(|| {
+            format!(
+                "{} of {} checked places are beyond the budget of {budget:.1e}: {}",
+                beyond.len(),
+                self.places.len(),
+                named.join(", ")
+            )
+        })
+    }
+}
+
+impl Exposure<'_> {
+    fn light(&self, i: usize, [x, y]: [usize; 2]) -> Vec<f64> {
+        match self.kept {
+            Some(kept) => kept.spectrum(i),
+            None => (0..self.planes.count).map(|plane| self.planes.at(x, y, plane)).collect(),
+        }
+    }
+
+    /// Distance of a place from the pupil's centre, where the reading of the Stiles-Crawford weight asks for it.
+    fn distance(&self, [x, y]: [usize; 2]) -> Option<f64> {
+        let scale = self.vision.observer.directional.mm_per_degree()? / self.pixels_per_degree;
+        Some(scale * (x as f64 - self.gaze[0]).hypot(y as f64 - self.gaze[1]))
+    }
+
+    /// Weights of each stored plane in each cone's illuminance, from the definition.
+    fn weights(&self, r: f64) -> [Vec<f64>; 3] {
+        let observer = &self.vision.observer;
+        let eta = observer.directional.curve(self.pupil, Millimetres(r));
+        [0, 1, 2].map(|k| {
+            let seen = eta.times(observer.fundamentals.unbleached(k));
+            let scale = LUMENS_PER_WATT * observer.cone_troland()[k] * pupil::area(self.pupil);
+            self.vision.basis().iter().map(|light| scale * light.times(&seen).integral()).collect()
+        })
+    }
+
+    /// The largest relative error of a catch: by levels at the run's p, against the definition at the true one.
+    fn error_of_catch(&self, light: &[f64], [x, y]: [usize; 2], ours: [f64; 3], p: [f64; 3]) -> f64 {
+        let mut radiance = Curve::sampled(|_| 0.0);
+        for (value, basis) in light.iter().zip(self.vision.basis()) {
+            radiance.0.iter_mut().zip(&basis.0).for_each(|(sum, b)| *sum += value * b);
+        }
+        let exact = self.vision.observer.catch(&radiance, p);
+        let seen = self.vision.catch(&self.vision.moments(self.planes, x, y), ours);
+        // Light out of gamut may catch nothing; its error has no measure.
+        (0..3).filter(|&k| exact[k] > 0.0).map(|k| (seen[k] / exact[k] - 1.0).abs()).fold(0.0, f64::max)
+    }
+}
+
+fn illuminance(weights: &[Vec<f64>; 3], light: &[f64]) -> [f64; 3] {
+    weights.each_ref().map(|weights| weights.iter().zip(light).map(|(w, v)| w * v).sum::<f64>().max(0.0))
+}
+
+/// The error that 95 % of the places stay within.
+fn percentile(mut errors: Vec<f64>) -> f64 {
+    errors.sort_by(f64::total_cmp);
+    errors.get(errors.len() * 95 / 100).copied().unwrap_or(0.0)
+}
+
+/// The places to check: one in each cell of a grid, and the extremes of a frame's luminance.
+pub fn places(vision: &Vision, planes: &Planes) -> Vec<[usize; 2]> {
+    let [width, height] = [planes.width, planes.height];
+    let jittered = (0..GRID[0] * GRID[1]).map(|i| {
+        let cell = [i % GRID[0], i / GRID[0]];
+        let within = [jitter(2 * i as u64), jitter(2 * i as u64 + 1)];
+        let along = |axis: usize, n: usize| {
+            let at = (cell[axis] as f64 + within[axis]) / GRID[axis] as f64 * n as f64;
+            (at as usize).min(n - 1)
+        };
+        [along(0, width), along(1, height)]
+    });
+    let mut places: Vec<[usize; 2]> = jittered.collect();
+    let mut ranked: Vec<(f32, usize)> =
+        (0..width * height).map(|i| (luminance(vision, planes, [i % width, i / width]), i)).collect();
+    let order = |a: &(f32, usize), b: &(f32, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+    let many = EXTREMES.min(ranked.len());
+    if many < ranked.len() {
+        ranked.select_nth_unstable_by(many, order);
+        places.extend(ranked[..many].iter().map(|(_, i)| [i % width, i / width]));
+        let last = ranked.len() - many;
+        ranked.select_nth_unstable_by(last, order);
+        places.extend(ranked[last..].iter().map(|(_, i)| [i % width, i / width]));
+    }
+    places.sort_by_key(|&[x, y]| [y, x]);
+    places.dedup();
+    places
+}
+
+fn luminance(vision: &Vision, planes: &Planes, [x, y]: [usize; 2]) -> f32 {
+    let terms = vision.luminance.iter().enumerate().filter(|(_, w)| **w != 0.0);
+    terms.map(|(i, w)| w * planes.at(x, y, i)).sum::<f64>() as f32
+}
+
+/// A number from 0 to 1 that looks like chance and is always the same (splitmix64).
+fn jitter(i: u64) -> f64 {
+    let mut z = (i + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    (z ^ (z >> 31)) as f64 / u64::MAX as f64
+}
+
+/// Room for the spectra of the places, to be filled while a frame is decoded.
+pub fn room(vision: &Vision, places: &[[usize; 2]]) -> Option<Arc<Kept>> {
+    vision.projection().map(|_| Arc::new(Kept::new(places)))
+}

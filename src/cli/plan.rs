@@ -1,0 +1,46 @@
+//! `sungaze plan`.
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use serde_json::Value;
+use sungaze::config::Config;
+use sungaze::error::Result;
+use sungaze::run;
+
+use super::watch::Terminal;
+use super::{Common, say};
+
+/// Surveys a configuration's frames and prints what a run would model, and what it would leave out.
+pub fn command(path: &Path, common: &Common) -> Result<ExitCode> {
+    let config = Config::load(Some(path), &common.set)?;
+    common.pool()?;
+    let terminal = Terminal::new(common.quiet);
+    let plan = run::rehearse(&config, &terminal);
+    terminal.end();
+    let plan = plan?;
+    say(&if common.json { format!("{plan:#}") } else { in_words(&plan) });
+    Ok(ExitCode::SUCCESS)
+}
+
+/// The plan as lines that a person can check.
+fn in_words(plan: &Value) -> String {
+    let bound = |value: &Value| value.as_f64().map_or("not bounded".into(), |v| format!("{v:.1e}"));
+    let (tiles, tracked) = (plan["tiles"].as_u64().unwrap_or(0), plan["tiles_tracked"].as_u64().unwrap_or(0));
+    let cost = |what: &str| plan["cost_ms_per_megapixel_frame"][what].as_f64().unwrap_or(0.0);
+    let mut lines = vec![
+        format!("{} over {} frames", plan["model"].as_str().unwrap_or(""), plan["frames"]),
+        format!("  {tracked} of {tiles} tiles modelled, {} left untouched", tiles - tracked),
+    ];
+    for term in plan["terms"].as_array().into_iter().flatten() {
+        lines.push(format!("  {:<12} {}", bound(&term["bound"]), term["what"].as_str().unwrap_or("")));
+    }
+    lines.push(match plan["budget"].as_f64() {
+        Some(budget) => format!("  {:<12} together, of a budget of {budget:.1e}", bound(&plan["bound_total"])),
+        None => {
+            format!("  {:<12} together; numerics.model = \"auto\" would keep a budget", bound(&plan["bound_total"]))
+        }
+    });
+    lines.push(format!("  a frame of a megapixel: {:.1} ms to read, {:.1} ms to see", cost("reading"), cost("seeing")));
+    lines.join("\n")
+}
