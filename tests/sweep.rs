@@ -231,7 +231,7 @@ fn write_sequence(folder: &Path) {
     std::fs::write(folder.join("gaze.csv"), "time_s,x,y\n0,0.5,0.5\n3,0.8,0.3\n").unwrap();
 }
 
-const SEQUENCE: &str = "[input]\nframes = \"f.####.exr\"\nhorizontal_fov_deg = 8\n[time]\nfps = 1\n[gaze]\npath = \"gaze.csv\"\n\
+const SEQUENCE: &str = "[input]\nframes = \"f.####.exr\"\nhorizontal_fov_deg = 8\n[numerics]\nmodel = \"tracked\"\n[time]\nfps = 1\n[gaze]\npath = \"gaze.csv\"\n\
                         [[output.probe]]\nname = \"a\"\nat = [0.3, 0.4]\n[[output.probe]]\nname = \"b\"\nat = [0.9, 0.1]\n";
 
 fn samples(path: &Path) -> sungaze::light::Samples {
