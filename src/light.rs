@@ -161,6 +161,12 @@ impl Projection {
         BandSums::new(&rows).project(Strip::whole(bands, width), out);
     }
 
+    /// Columns of the places in row `y` whose spectra are to be remembered.
+    pub fn kept_columns(&self, y: usize) -> impl Iterator<Item = usize> + '_ {
+        let places = self.kept.iter().flat_map(|kept| kept.places.iter());
+        places.filter(move |[_, row]| *row == y).map(|[x, _]| *x)
+    }
+
     /// Remembers the spectra of the places that lie in row `y`; `bands` begins at column `left` of the frame.
     pub fn remember(&self, y: usize, left: usize, bands: &[f32]) {
         let Some(kept) = &self.kept else { return };

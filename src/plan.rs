@@ -1,7 +1,9 @@
 //! No more than a scene needs: which places are modelled at all, and what leaving the others out can cost.
 //!
-//!     B' <= (c s - B)/tau        every law, from B = 0: no regeneration is slower than first order
-//!     0 <= 1 - R(p)/R(1) <= B    so what is left out of p is left out of no catch more (numerics 5)
+//! ```text
+//! B' <= (c s - B)/tau        every law, from B = 0: no regeneration is slower than first order
+//! 0 <= 1 - R(p)/R(1) <= B    so what is left out of p is left out of no catch more (numerics 5)
+//! ```
 //!
 //! A tile whose bound stays below half the budget is left untouched and its pixels are returned as they came. The
 //! first frame that could pass that bound is tracked from p = 1, for good: what was left out before only shrinks,

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use sungaze::config::Config;
+use sungaze::config::settings::{DirectionalKey, NarrowingKey, PupilKey, SetKey, Steep, SteepWord};
 use sungaze::eye::{Adapting, Observer, Rule};
 use sungaze::frames::{About, Compression, write_exr};
 use sungaze::light::{Planes, Samples};
@@ -16,7 +17,7 @@ use sungaze::units::{LUMENS_PER_WATT, Millimetres, Nits};
 const NM: std::ops::RangeInclusive<usize> = 390..=830;
 const WIDTH: usize = 7;
 const HEIGHT: usize = 5;
-const PIXELS_PER_DEGREE: f64 = 2.0;
+const PIXELS_PER_DEGREE: f64 = 1.0;
 
 /// A column of a table in `data/`, by wavelength.
 fn column(file: &str, name: &str) -> BTreeMap<usize, f64> {
@@ -132,13 +133,13 @@ impl Paper {
     }
 }
 
-/// Three frames: a hot body behind haze that brightens from frame to frame, redder toward one corner. The samples are
-/// what a float file holds.
+/// Three frames that brighten, redder toward one corner: the pupil closes from 3.6 mm almost to 2 mm, where the corner
+/// lies beyond its edge. The samples are what a float file holds.
 fn frames() -> Vec<Vec<Vec<f64>>> {
     let light = |frame: usize, i: usize| -> Vec<f64> {
         let (x, y) = ((i % WIDTH) as f64, (i / WIDTH) as f64);
         let (peak, width) = (560.0 + 12.0 * x, 60.0 + 10.0 * y);
-        let strength = 0.02 * 30f64.powi(frame as i32) * (1.0 + x * y);
+        let strength = 5e-4 * 30f64.powi(frame as i32) * (1.0 + x * y);
         let at = |nm: usize| strength * (0.05 + (-((nm as f64 - peak) / width).powi(2)).exp());
         NM.map(|nm| f64::from(at(nm) as f32)).collect()
     };
@@ -147,7 +148,7 @@ fn frames() -> Vec<Vec<Vec<f64>>> {
 
 fn settings(narrowing: &str) -> String {
     format!(
-        "input = {{ frames = \"f.####.exr\", channels = \"b{{nm}}\", horizontal_fov_deg = 3.5 }}\n\
+        "input = {{ frames = \"f.####.exr\", channels = \"b{{nm}}\", horizontal_fov_deg = 7.0 }}\n\
          observer = {{ preset = \"paper\", narrowing = \"{narrowing}\" }}\n\
          numerics.model = \"steady\"\ntime.fps = 1\n\
          [[output.probe]]\nname = \"corner\"\nat = [0.93, 0.9]\n"
@@ -160,6 +161,39 @@ fn config(folder: &Path, narrowing: &str) -> Config {
 
 fn near(ours: f64, straight: f64, share: f64, what: &str) {
     assert!((ours / straight - 1.0).abs() <= share, "{what}: {ours} against {straight}");
+}
+
+#[test]
+fn preset_paper_is_the_observer_of_the_paper_until_a_key_says_otherwise() {
+    let parse = |toml: &str| Config::parse(toml, "test", "test", Path::new(""), &[]).expect("a configuration");
+    let paper = parse("observer.preset = \"paper\"").settings.observer;
+    assert_eq!(paper.fundamentals, SetKey::Smj1993);
+    assert_eq!(paper.pupil, PupilKey::MoonSpencerAsPrinted);
+    assert_eq!(paper.stiles_crawford, DirectionalKey::Paper);
+    assert_eq!(paper.stiles_crawford_p, Steep::Word(SteepWord::LensCorrected));
+    assert_eq!((paper.half_bleach_log_td, paper.tau_s), ([3.89; 3], [120.0; 3]));
+    assert_eq!(paper.narrowing, NarrowingKey::Narrowed);
+    let other =
+        parse("observer = { preset = \"paper\", constants = \"hollins-alpern\", tau_s = [1, 2, 3] }").settings.observer;
+    assert_eq!((other.half_bleach_log_td, other.tau_s), ([4.3, 4.3, 5.0], [1.0, 2.0, 3.0]));
+    assert_eq!(other.fundamentals, SetKey::Smj1993);
+}
+
+#[test]
+fn s_cones_that_lose_half_of_their_pigment_are_told_of_with_time_and_share() {
+    let folder = tempfile::tempdir().expect("a folder");
+    write_frames(folder.path());
+    let out = folder.path().join("out");
+    let report =
+        run::run(&config(folder.path(), "depleted"), &out, Existing::Refuse, &Unwatched).expect("a run").report;
+    let paper = Paper::new(false);
+    let past_half = |lights: &Vec<Vec<f64>>| paper.frame(lights).1.iter().filter(|p| p.bleached[2] > 0.5).count();
+    let counts: Vec<usize> = frames().iter().map(past_half).collect();
+    let first = counts.iter().position(|&n| n > 0).expect("some frame bleaches S by half");
+    let share = 100.0 * *counts.last().expect("frames") as f64 / (WIDTH * HEIGHT) as f64;
+    let told = report["warnings"].to_string();
+    let expected = format!("from {:.3} s on, over up to {share:.2} % of the retina", (first + 1) as f64);
+    assert!(told.contains(&expected), "{told} lacks {expected}");
 }
 
 #[test]
@@ -191,7 +225,7 @@ fn the_library_in_full_precision_is_equations_1_to_7_frame_by_frame() {
 /// The mean luminance within a degree of the middle pixel.
 fn foveal(eye: &Observer, curves: &[Curve]) -> Adapting {
     let v = eye.luminous_efficiency();
-    let inside = |i: usize| (i % WIDTH).abs_diff(3).pow(2) + (i / WIDTH).abs_diff(2).pow(2) <= 4;
+    let inside = |i: usize| (i % WIDTH).abs_diff(3).pow(2) + (i / WIDTH).abs_diff(2).pow(2) <= 1;
     let nits: Vec<f64> =
         (0..curves.len()).filter(|&i| inside(i)).map(|i| LUMENS_PER_WATT * curves[i].times(&v).integral()).collect();
     assert_eq!(eye.pupil, Rule::MoonSpencerAsPrinted);
@@ -204,12 +238,8 @@ fn write_frames(folder: &Path) {
     let names: Vec<String> = NM.map(|nm| format!("b{nm}")).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     for (n, lights) in frames().iter().enumerate() {
-        let mut samples = Vec::new();
-        for y in 0..HEIGHT {
-            for band in 0..names.len() {
-                samples.extend((0..WIDTH).map(|x| lights[y * WIDTH + x][band] as f32));
-            }
-        }
+        let band = |y: usize, band: usize| (0..WIDTH).map(move |x| lights[y * WIDTH + x][band] as f32);
+        let samples = (0..HEIGHT).flat_map(|y| (0..names.len()).flat_map(move |i| band(y, i))).collect();
         let planes = Planes { width: WIDTH, height: HEIGHT, count: names.len(), samples: Samples::Float(samples) };
         let path = folder.join(format!("f.{:04}.exr", n + 1));
         write_exr(&path, &names, &planes, Compression::Zip, &About::default()).expect("a frame");

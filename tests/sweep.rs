@@ -231,7 +231,7 @@ fn write_sequence(folder: &Path) {
     std::fs::write(folder.join("gaze.csv"), "time_s,x,y\n0,0.5,0.5\n3,0.8,0.3\n").unwrap();
 }
 
-const SEQUENCE: &str = "[input]\nframes = \"f.####.exr\"\nhorizontal_fov_deg = 8\n[time]\nfps = 1\n[gaze]\npath = \"gaze.csv\"\n\
+const SEQUENCE: &str = "[input]\nframes = \"f.####.exr\"\nhorizontal_fov_deg = 8\n[numerics]\nmodel = \"tracked\"\n[time]\nfps = 1\n[gaze]\npath = \"gaze.csv\"\n\
                         [[output.probe]]\nname = \"a\"\nat = [0.3, 0.4]\n[[output.probe]]\nname = \"b\"\nat = [0.9, 0.1]\n";
 
 fn samples(path: &Path) -> sungaze::light::Samples {
@@ -288,4 +288,22 @@ fn the_probes_of_a_still_do_not_depend_on_pictures_and_its_start_may_be_adapted(
     let adapted = with(false, "adapted");
     assert!(adapted.windows(2).all(|rows| (rows[0]["p_L"] - rows[1]["p_L"]).abs() < 1e-12));
     assert!(adapted[0]["p_L"] < 0.5);
+}
+
+#[test]
+fn frames_that_had_to_be_mended_are_told_of_by_every_part_of_a_sweep() {
+    use sungaze::frames::{About, Compression, write_exr};
+    use sungaze::light::{Planes, Samples};
+    let folder = tempfile::tempdir().unwrap();
+    let samples = Samples::Float((0..16 * 9 * 3).map(|i| if i == 50 { f32::NAN } else { 1.0 }).collect());
+    let still = Planes { width: 16, height: 9, count: 3, samples };
+    let about = About { white: Some(sungaze::units::Nits(100.0)), ..About::default() };
+    write_exr(&folder.path().join("a.exr"), &["R", "G", "B"], &still, Compression::Zip, &about).unwrap();
+    let text =
+        "[input]\nframes = \"a.exr\"\nhorizontal_fov_deg = 8\nnon_finite = \"clamp\"\n[sweep]\ndurations_s = [1]\n";
+    std::fs::write(folder.path().join("s.toml"), text).unwrap();
+    for part in [&["--index", "0"][..], &["--merge"], &[]] {
+        let output = sungaze(folder.path(), &[&["s.toml", "--out", "o"], part].concat());
+        assert_eq!(output.status.code(), Some(3), "{part:?}: {}", told(&output));
+    }
 }

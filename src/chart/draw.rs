@@ -112,12 +112,18 @@ impl Sheet {
     pub fn dashed(&mut self, points: &[Point], ink: Ink, width: f64, on: f64, off: f64) {
         let (mut walked, mut dash) = (0.0, Vec::new());
         for pair in points.windows(2) {
-            if walked % (on + off) < on {
-                dash.extend(if dash.is_empty() { pair } else { &pair[1..] });
-            } else if !dash.is_empty() {
-                self.polyline(&std::mem::take(&mut dash), ink, width, "");
+            let (from, to) = (pair[0], pair[1]);
+            let length = (to.0 - from.0).hypot(to.1 - from.1);
+            let parts = length.ceil().max(1.0) as usize;
+            for share in (0..parts).map(|i| i as f64 / parts as f64) {
+                let at = (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
+                if (walked + share * length) % (on + off) < on {
+                    dash.push(at);
+                } else if !dash.is_empty() {
+                    self.polyline(&std::mem::take(&mut dash), ink, width, "");
+                }
             }
-            walked += (pair[1].0 - pair[0].0).hypot(pair[1].1 - pair[0].1);
+            walked += length;
         }
         self.polyline(&dash, ink, width, "");
     }
@@ -165,6 +171,11 @@ impl Sheet {
         self.0.add(Primitive::Circle { cx, cy, r, fill, fill_opacity, stroke, stroke_width });
     }
 
+    /// The drawing as SVG.
+    pub fn svg(&self) -> String {
+        SvgBackend::default().render_scene(&self.0)
+    }
+
     /// Write `<name>.svg` and `<name>.png`, the latter with two pixels to the unit.
     pub fn write(&self, out_dir: &Path, name: &str) -> Result<()> {
         let put = |extension: &str, bytes: &[u8]| {
@@ -173,11 +184,6 @@ impl Sheet {
         };
         put("svg", self.svg().as_bytes())?;
         put("png", &self.png().map_err(|problem| Error::file(out_dir.join(name), problem))?)
-    }
-
-    /// The drawing as SVG.
-    pub fn svg(&self) -> String {
-        SvgBackend::default().render_scene(&self.0)
     }
 
     /// The drawing as PNG, two pixels to the unit.

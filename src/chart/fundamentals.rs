@@ -67,10 +67,9 @@ fn weight(sheet: &mut Sheet) {
         sheet.polyline(&at_point, ink, 2.4, "");
         sheet.dashed(&mean, ink, 1.8, 9.0, 6.0);
     }
-    for ((p, ink), at) in PAPERS_P.into_iter().zip([(2.95, 0.32), (2.0, 0.30)]) {
-        let (anchor, aside) = if p < 0.08 { (Anchor::Start, 8.0) } else { (Anchor::End, -16.0) };
-        let at = panel.at(at.0, at.1);
-        sheet.text((at.0 + aside, at.1), &format!("p = {p}"), 15, anchor, ink);
+    for (i, (p, ink)) in PAPERS_P.into_iter().enumerate() {
+        let (x, y) = panel.at(0.0, 0.12 - 0.07 * i as f64);
+        sheet.text((x + 10.0, y), &format!("p = {p} mm⁻²"), 15, Anchor::Start, ink);
     }
     legend(sheet, (95.0, panel.top - 10.0), GREY, 2.4, "", "a ray at r (paper)");
     legend(sheet, (285.0, panel.top - 10.0), GREY, 1.8, "9 6", "mean of a pupil of radius r (default)");

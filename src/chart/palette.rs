@@ -17,7 +17,7 @@ pub(crate) const PALE_RED: Ink = Ink(0xfb, 0xec, 0xe2);
 pub(crate) const WHITE: Ink = Ink(0xff, 0xff, 0xff);
 
 /// How each method is drawn: explicit ones warm, implicit ones cool, exponential ones dark.
-pub(super) fn of_method(name: &str) -> (Ink, Marker) {
+pub(crate) fn of_method(name: &str) -> (Ink, Marker) {
     match name {
         "forward-euler" => (VERMILION, Marker::Disc),
         "heun" => (ORANGE, Marker::Square),

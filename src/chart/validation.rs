@@ -33,7 +33,7 @@ fn is_drawn(field: &&Field) -> bool {
 
 /// Error against time, on theory's broad line.
 fn falls(sheet: &mut Sheet, fields: &[Field]) {
-    let x = Axis { from: 1e-6, to: 1e4, logarithmic: true, every: 2.0, label: "time under steady light (s)" };
+    let x = Axis { from: 1e-6, to: 1e6, logarithmic: true, every: 2.0, label: "time under steady light (s)" };
     let y = Axis { from: 1e-16, to: 1.0, logarithmic: true, every: 2.0, label: "" };
     let panel = Panel { left: 95.0, top: 90.0, width: 500.0, height: 380.0, x, y };
     panel.frame(sheet);
@@ -54,10 +54,11 @@ fn falls(sheet: &mut Sheet, fields: &[Field]) {
         sheet.polyline(&shown(&points), ink(field.light), 2.0, "");
     }
     for field in drawn().filter(|field| field.start == 0.0 && field.light > 1e3) {
-        let words =
-            if field.light < 1e5 { "1 to 10⁴ td".into() } else { format!("{} td", power(field.light.log10())) };
-        let (x, y) = panel.at(28.0 / field.rate, 3e-14);
-        sheet.text((x - 14.0, y), &words, 14, Anchor::End, ink(field.light));
+        let (at, anchor, words) = match field.light {
+            ..1e5 => ((9e3, 3e-9), Anchor::Start, "1 to 10⁴ td".into()),
+            light => ((15.0 / field.rate, 3e-14), Anchor::End, format!("{} td", power(light.log10()))),
+        };
+        sheet.text(panel.at(at.0, at.1), &words, 14, anchor, ink(field.light));
     }
     sheet.line((115.0, 425.0), (150.0, 425.0), FAINT, 7.0, "");
     sheet.text((158.0, 430.0), "theory", 15, Anchor::Start, BLACK);

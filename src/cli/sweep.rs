@@ -55,7 +55,7 @@ pub fn command(path: &Path, asked: &Asked, common: &Common) -> Result<ExitCode> 
         let kept = if outcome.kept > 0 { format!(", {} finished before", outcome.kept) } else { String::new() };
         say(&format!("{}: {} cases run{kept}", folder.display(), outcome.ran));
     }
-    Ok(ExitCode::SUCCESS)
+    Ok(ExitCode::from(if outcome.went_on { 3 } else { 0 }))
 }
 
 fn list(sweep: &Sweep, json: bool) {

@@ -7,6 +7,7 @@ mod resolve;
 pub mod settings;
 mod source;
 mod sweep;
+mod words;
 
 use std::path::{Path, PathBuf};
 

@@ -112,6 +112,7 @@ impl Config {
             },
             smoothing: Seconds(d.smoothing_s),
             highlights: d.highlights,
+            ..Display::default()
         }
     }
 

@@ -17,9 +17,6 @@
 //! The eye judges admixed white by about the cube root of its amount (CIE 1976 lightness), so that half way looks
 //! half way; mixed as light, half white turns a red sun to a pink that is lost in its sky.
 
-/// Luminance of linear sRGB: ITU-R BT.709 primaries with D65, IEC 61966-2-1.
-const LUMINANCE: [f32; 3] = [0.212_639, 0.715_168_7, 0.072_192_3];
-
 /// Less than this is no light at all, cd/m2; keeps quotients finite.
 const DARK: f32 = 1e-30;
 
@@ -33,10 +30,10 @@ pub(super) fn bounded(light: [f32; 3]) -> [f32; 3] {
     light.map(|c| c.max(-GLARE).min(GLARE))
 }
 
-/// Luminance, in the unit of the components.
+/// Luminance by the weights of the observer, in the unit of the components.
 #[inline]
-pub(super) fn luminance([r, g, b]: [f32; 3]) -> f32 {
-    LUMINANCE[0] * r + LUMINANCE[1] * g + LUMINANCE[2] * b
+pub(super) fn luminance([r, g, b]: [f32; 3], weights: [f32; 3]) -> f32 {
+    weights[0] * r + weights[1] * g + weights[2] * b
 }
 
 /// The colour at unit luminance, without negative components; grey where there is no luminance.
@@ -66,6 +63,10 @@ pub(super) fn shown(colour: [f32; 3], share: f32, highlights: f32) -> [f32; 3] {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    fn luminance(light: [f32; 3]) -> f32 {
+        super::luminance(light, crate::display::STANDARD_LUMINANCE.map(|w| w as f32))
+    }
 
     fn colour() -> impl Strategy<Value = [f32; 3]> {
         prop::array::uniform3(-10f32..30.0).prop_filter("luminance", |c| luminance(*c) > 0.1)

@@ -52,11 +52,25 @@ pub struct Display {
     pub smoothing: Seconds,
     /// Colours brighter than the display: 0 keeps their hue, 1 their luminance.
     pub highlights: f64,
+    /// Luminance of linear sRGB light to the observer. Cones never catch less than nothing, so by the observer's own
+    /// weights a percept always has luminance; by those of 1931 (.2126, .7152, .0722) what S cones alone see would
+    /// have less than none, and would be shown black.
+    pub luminance: [f64; 3],
 }
+
+/// Luminance of linear sRGB light to the standard observer: 0.69283932 L + 0.34967567 M (CIE 170-2:2015) of the
+/// primaries' catches. Other observers bring their own ([`crate::percept::Vision::srgb_luminance`]).
+pub const STANDARD_LUMINANCE: [f64; 3] = [0.198_658, 0.681_934, 0.119_408];
 
 impl Default for Display {
     fn default() -> Self {
-        Display { white: Nits(100.0), tone: Tone::Ward(Ceiling::Human), smoothing: Seconds(0.5), highlights: 0.5 }
+        Display {
+            white: Nits(100.0),
+            tone: Tone::Ward(Ceiling::Human),
+            smoothing: Seconds(0.5),
+            highlights: 0.5,
+            luminance: STANDARD_LUMINANCE,
+        }
     }
 }
 
@@ -89,9 +103,10 @@ impl Display {
 
     /// Encodes one row of a percept as sRGB: linear sRGB primaries, `scale` cd/m2 the unit; three bytes a pixel out.
     pub fn encode_row(&self, map: &ToneMap, rgb: [&[f32]; 3], scale: f32, out: &mut [u8]) {
+        let weights = self.luminance.map(|w| w as f32);
         let [red, green, blue] = rgb.map(|plane| plane.chunks(row::BLOCK));
         for (((red, green), blue), bytes) in red.zip(green).zip(blue).zip(out.chunks_mut(3 * row::BLOCK)) {
-            row::encode_block(map, [red, green, blue], scale, self.highlights as f32, bytes);
+            row::encode_block(map, [red, green, blue], (scale, weights), self.highlights as f32, bytes);
         }
     }
 
@@ -251,7 +266,7 @@ mod tests {
             for tone in [Tone::Ward(Ceiling::Human), Tone::Exposure { ev }] {
                 let map = Display { tone, ..Display::default() }.map(&outdoors());
                 let light = gamut::bounded(rgb);
-                let luminance = gamut::luminance(light);
+                let luminance = gamut::luminance(light, STANDARD_LUMINANCE.map(|w| w as f32));
                 let shown = gamut::shown(gamut::chroma(light, luminance), map.share(luminance), highlights);
                 prop_assert!(shown.iter().all(|v| (0.0..=1.000_001).contains(v)), "{rgb:?} gives {shown:?}");
             }

@@ -7,13 +7,19 @@ pub(super) const BLOCK: usize = 64;
 
 type Plane = [f32; BLOCK];
 
-/// Encodes up to [`BLOCK`] pixels as sRGB; `scale` cd/m2 the unit.
-pub(super) fn encode_block(map: &ToneMap, rgb: [&[f32]; 3], scale: f32, highlights: f32, out: &mut [u8]) {
+/// Encodes up to [`BLOCK`] pixels as sRGB; `scale` cd/m2 the unit, `weights` those of luminance.
+pub(super) fn encode_block(
+    map: &ToneMap,
+    rgb: [&[f32]; 3],
+    (scale, weights): (f32, [f32; 3]),
+    highlights: f32,
+    out: &mut [u8],
+) {
     let (mut colour, mut shares) = ([[0.0; BLOCK]; 3], [0.0; BLOCK]);
     for (plane, pixels) in colour.iter_mut().zip(rgb) {
         plane[..pixels.len()].copy_from_slice(pixels);
     }
-    to_chroma(&mut colour, &mut shares, scale);
+    to_chroma(&mut colour, &mut shares, scale, weights);
     for share in &mut shares {
         *share = map.share(*share);
     }
@@ -25,10 +31,10 @@ pub(super) fn encode_block(map: &ToneMap, rgb: [&[f32]; 3], scale: f32, highligh
 }
 
 /// Light in, chroma and luminance out.
-fn to_chroma([red, green, blue]: &mut [Plane; 3], luminance: &mut Plane, scale: f32) {
+fn to_chroma([red, green, blue]: &mut [Plane; 3], luminance: &mut Plane, scale: f32, weights: [f32; 3]) {
     for i in 0..BLOCK {
         let light = gamut::bounded([red[i] * scale, green[i] * scale, blue[i] * scale]);
-        luminance[i] = gamut::luminance(light);
+        luminance[i] = gamut::luminance(light, weights);
         [red[i], green[i], blue[i]] = gamut::chroma(light, luminance[i]);
     }
 }

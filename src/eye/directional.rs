@@ -1,7 +1,9 @@
 //! Stiles-Crawford effect of the first kind: light that enters near the pupil's edge counts less.
 //!
-//!     eta(lambda, r) = 10^(-p(lambda) r^2)                              (Stiles & Crawford 1933; paper Eq. 5)
-//!     pupil mean:  eta = (1 - 10^(-p R^2)) / (p R^2 ln 10)
+//! ```text
+//! eta(lambda, r) = 10^(-p(lambda) r^2)                              (Stiles & Crawford 1933; paper Eq. 5)
+//! pupil mean:  eta = (1 - 10^(-p R^2)) / (p R^2 ln 10)
+//! ```
 //!
 //! r, R: mm in the plane of the pupil; p: mm^-2. The weight depends on wavelength only through p, so it is a
 //! function of p interpolated through a few fixed levels of p ([`Directional::levels`]): the light is projected

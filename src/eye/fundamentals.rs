@@ -1,7 +1,9 @@
 //! Cone fundamentals, whole and bleached.
 //!
-//!     q_k(lambda; p) = [1 - 10^(-D_k p a_k)] 10^(-(lens + macula)) lambda
-//!     s_k(lambda; p) = q_k(lambda; p) / max q_k(.; 1)
+//! ```text
+//! q_k(lambda; p) = [1 - 10^(-D_k p a_k)] 10^(-(lens + macula)) lambda
+//! s_k(lambda; p) = q_k(lambda; p) / max q_k(.; 1)
+//! ```
 //!
 //! a: absorbance with unit peak; D: peak axial optical density; p: unbleached fraction; energy units. Sources:
 //! CIE 170-1:2006 after Stockman & Sharpe 2000 (Vision Research 40, 1711-1737); Stockman, MacLeod & Johnson 1993

@@ -1,7 +1,9 @@
 //! e^-z and its mean over 0..z, in a form that vectorises.
 //!
-//!     mean:   phi(z) = (1 - e^-z)/z                         z in 0..1/8, one polynomial, no division
-//!     decay:  e^-z = 2^n e^r,   n = round(-z/ln 2),   r = -z - n ln 2        any z >= 0
+//! ```text
+//! mean:   phi(z) = (1 - e^-z)/z                         z in 0..1/8, one polynomial, no division
+//! decay:  e^-z = 2^n e^r,   n = round(-z/ln 2),   r = -z - n ln 2        any z >= 0
+//! ```
 //!
 //! Both polynomials interpolate at Chebyshev nodes (degree 7, truncated by 1e-17; degree 11, by 2e-17); rounding
 //! makes the errors below. ln 2 is taken in two parts (Cody & Waite 1980), the first with bits to spare.
@@ -14,7 +16,7 @@ pub const SHORT: f64 = 0.125;
 /// The z from which [`decay`] gives 0: e^-708 is the last that is sure not to be denormal.
 pub const LONGEST: f64 = 708.0;
 
-/// Largest relative error of [`mean_decay_short`] and of [`decay`], from 0 to [`LONGEST`].
+/// Largest relative error of [`mean_decay_short`] and of [`decay`], from 0 to `LONGEST`.
 pub const ERROR: f64 = 4e-16;
 
 const MEAN: [f64; 8] = [
@@ -47,13 +49,13 @@ const LN_2: [f64; 2] = [0.6931471803691238, 1.9082149292705877e-10];
 /// 1.5 * 2^52: added to a small number it leaves the nearest whole number in the low bits.
 const ROUNDING: f64 = 6_755_399_441_055_744.0;
 
-/// phi(z) for z from 0 to [`SHORT`].
+/// phi(z) for z from 0 to `SHORT`.
 #[inline(always)]
 pub fn mean_decay_short(z: f64) -> f64 {
     polynomial(&MEAN, z)
 }
 
-/// e^-z for any z >= 0, infinity too; 0 from [`LONGEST`] on.
+/// e^-z for any z >= 0, infinity too; 0 from `LONGEST` on.
 #[inline(always)]
 pub fn decay(z: f64) -> f64 {
     let bounded = if z < LONGEST { z } else { LONGEST };

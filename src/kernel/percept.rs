@@ -1,6 +1,8 @@
 //! The percept of a run: catches through the pigments by the four levels, as cubics in p, then the picture's RGB.
 //!
-//!     R_k(p) = p (q0 + q1 p + q2 p^2 + q3 p^3),   q = V M,   seen = A R
+//! ```text
+//! R_k(p) = p (q0 + q1 p + q2 p^2 + q3 p^3),   q = V M,   seen = A R
+//! ```
 //!
 //! V turns values at the levels into powers of p. Where all three p are 1 the light itself is returned: RGB as it
 //! came in, moments as their catch at p = 1. (p counts as 1 where it is nearer to 1 than to any other f32.)

@@ -1,7 +1,9 @@
 //! The exact first-order step under held light, over a run of places:
 //!
-//!     a = 1 + I/I0,   z = (h/tau) a,   p1 = 1/a + e^-z (p - 1/a)
-//!     z <= 1/8:       p1 = p + (h/tau) phi(z) (1 - a p),   phi(z) = (1 - e^-z)/z
+//! ```text
+//! a = 1 + I/I0,   z = (h/tau) a,   p1 = 1/a + e^-z (p - 1/a)
+//! z <= 1/8:       p1 = p + (h/tau) phi(z) (1 - a p),   phi(z) = (1 - e^-z)/z
+//! ```
 //!
 //! The second form needs no division and does not cancel where little happens. Which one a place takes depends on
 //! its own light only; the greatest light of a tile decides whether the first is computed at all. In the dark p = 1

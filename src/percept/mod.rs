@@ -2,7 +2,9 @@
 //!
 //! A catch through a pigment at p is, within 2e-4, a sum over four fixed spectra (numerics 5.3):
 //!
-//!     R_k(p) = p sum_j w_j(p) M_kj,   M_kj = 683 integral L H_k(.; p_j),   H = s_k(.; p)/p,   p_j = 0, 1/4, 3/4, 1
+//! ```text
+//! R_k(p) = p sum_j w_j(p) M_kj,   M_kj = 683 integral L H_k(.; p_j),   H = s_k(.; p)/p,   p_j = 0, 1/4, 3/4, 1
+//! ```
 //!
 //! with Lagrange weights w_j. Cone illuminance takes one more inner product per level of the Stiles-Crawford
 //! weight. So the light is projected once ([`Vision::projection`]), whatever pupil and pigment do: the *moments*.
@@ -204,6 +206,13 @@ impl Vision {
         })
     }
 
+    /// Luminance of linear sRGB light to this observer: the Y row of LMS -> XYZ times C(1).
+    pub fn srgb_luminance(&self) -> [f64; 3] {
+        let y = self.observer.lms_to_xyz[1];
+        let catches = srgb_catches(&self.observer, &srgb_lights(&self.observer));
+        [0, 1, 2].map(|j| (0..3).map(|k| y[k] * catches[k][j]).sum())
+    }
+
     /// XYZ of catches, cd/m2.
     pub fn xyz(&self, catch: [f64; 3]) -> [f64; 3] {
         colour::apply(&self.observer.lms_to_xyz, catch)
@@ -255,6 +264,7 @@ fn mix(weights: &[f64; 4], levels: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::eye::{Directional, Field, Reading, Set, Steepness};
     use crate::light::Samples;
 
     fn white_rgb(observer: Observer) -> Vision {
@@ -281,6 +291,27 @@ mod tests {
             for k in 0..3 {
                 assert!((catch[k] - expected[k][j]).abs() < 5e-8, "{k}{j}: {} {}", catch[k], expected[k][j]);
             }
+        }
+    }
+
+    #[test]
+    fn whatever_cones_catch_has_luminance_to_their_own_observer() {
+        for (set, field) in
+            [(Set::Cie2006, Field::TenDegrees), (Set::Cie2006, Field::TwoDegrees), (Set::Smj1993, Field::TenDegrees)]
+        {
+            let directional = Directional::new(Reading::Off, Steepness::Measured);
+            let observer = Observer::new(set, field, set.optical_density(field), Narrowing::Depleted, directional);
+            let vision = white_rgb(observer);
+            let weights = vision.srgb_luminance();
+            assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+            // Next to nothing left of L and M, all of S: seen as blue beyond any light, and still not as black.
+            let seen = crate::colour::apply(&vision.lms_to_seen, [1e-3, 1e-3, 0.1]);
+            let y: f64 = weights.iter().zip(seen).map(|(w, v)| w * v).sum();
+            assert!(y > 0.0, "{set:?} {field:?}: {y}");
+        }
+        let standard = white_rgb(Observer::standard()).srgb_luminance();
+        for (ours, stated) in standard.iter().zip(crate::display::STANDARD_LUMINANCE) {
+            assert!((ours - stated).abs() < 1e-6);
         }
     }
 

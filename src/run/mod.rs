@@ -122,7 +122,7 @@ impl Eye {
             viewer,
             gaze: Gaze::of(config)?,
             probes: record::probes(config),
-            display: (config.settings.output.display == DisplayFile::Png).then(|| config.display()),
+            display: (config.settings.output.display == DisplayFile::Png).then(|| scene.display(config)),
             map: None,
             counters: Counters { held_frames: scene.held.clone(), ..Counters::default() },
             check: None,
@@ -319,7 +319,7 @@ pub(crate) fn writer<'a>(config: &Config, scene: &Scene, resolved: &Value, folde
     let digest = digest(resolved.to_string().as_bytes());
     Ok(Writer {
         folder,
-        display: config.display(),
+        display: scene.display(config),
         seen_to_srgb: scene.vision.seen_to_srgb.map(|row| row.map(|v| v as f32)),
         seen: config.settings.output.seen == SeenKey::Exr,
         compression: config.compression()?,

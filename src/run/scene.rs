@@ -1,6 +1,7 @@
 //! What is looked at, and by whom: footage, the observer's vision of it, and the frames in time.
 
 use crate::config::Config;
+use crate::display::Display;
 use crate::error::Result;
 use crate::frames::{self, About, Footage, Kind, builtin};
 use crate::light::Primaries;
@@ -51,6 +52,11 @@ impl Scene {
             }
         };
         Ok(Scene { pixels_per_degree, vision, steps, held, white, footage })
+    }
+
+    /// The display of `[display]`, with this observer's luminance.
+    pub fn display(&self, config: &Config) -> Display {
+        Display { luminance: self.vision.srgb_luminance(), ..config.display() }
     }
 
     /// The footage for the reader. `places`: those to check; `None`: such as the first frame suggests.

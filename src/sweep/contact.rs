@@ -21,17 +21,17 @@ const MOST_ACROSS: usize = 12;
 /// Cases beyond these are in the table only.
 pub const MOST_CASES: usize = 100;
 
-/// How many pictures stand side by side.
+/// How many pictures stand side by side. A few of one case are laid out in even rows.
 fn columns(cases: usize, durations: usize) -> usize {
-    if cases > 1 {
-        return durations.div_ceil(durations.div_ceil(MOST_ACROSS));
+    match durations {
+        0..=4 => durations,
+        5..=16 if cases == 1 => {
+            let square = (durations as f64).sqrt().ceil() as usize;
+            let even = (square..=2 * square).find(|columns| durations.is_multiple_of(*columns));
+            even.unwrap_or(square)
+        }
+        _ => durations.div_ceil(durations.div_ceil(MOST_ACROSS)),
     }
-    if durations <= 4 {
-        return durations;
-    }
-    let square = (durations as f64).sqrt().ceil() as usize;
-    let even = (square..=2 * square).find(|columns| durations.is_multiple_of(*columns));
-    even.unwrap_or(square)
 }
 
 /// The square that a picture of a sweep's sheet must fit into, pixels.
@@ -72,6 +72,11 @@ impl Layout {
         GAP + column * (self.across + GAP)
     }
 
+    /// From the top of one row of pictures to the next.
+    fn pitch(&self, height: usize) -> usize {
+        height + if self.below { self.line + GAP / 2 } else { GAP }
+    }
+
     /// Height of type, units.
     fn size(&self) -> u32 {
         (self.line as f64 / 2.0 / 1.5).round() as u32
@@ -85,16 +90,11 @@ fn enlarged(case: &Left, side: usize) -> usize {
 
 /// Writes the sheet.
 pub fn write(path: &Path, sweep: &Sweep, left: &[Left]) -> Result<()> {
-    let shown = &left[..left.len().min(MOST_CASES)];
-    let side = side(sweep);
+    let (shown, side) = (&left[..left.len().min(MOST_CASES)], side(sweep));
     let layout = Layout::new(sweep, side, shown);
-    let mut places = Vec::new();
-    let mut words = Words(Vec::new());
-    let mut y = GAP;
+    let (mut words, mut places, mut y) = (Words(Vec::new()), Vec::new(), GAP);
     if !layout.below {
-        for (i, &duration) in sweep.durations.iter().enumerate() {
-            words.centred(&layout, i, y, duration);
-        }
+        sweep.durations.iter().enumerate().for_each(|(i, &duration)| words.centred(&layout, i, y, duration));
         y += layout.line;
     }
     for (case, left) in sweep.cases.iter().zip(shown) {
@@ -103,24 +103,22 @@ pub fn write(path: &Path, sweep: &Sweep, left: &[Left]) -> Result<()> {
             y += layout.line;
         }
         let height = left.done.size[1] * enlarged(left, side);
-        for row in 0..layout.rows {
-            for column in 0..layout.columns.min(sweep.durations.len() - row * layout.columns) {
-                let cell = row * layout.columns + column;
-                places.push((left, cell, [layout.x(column), y]));
-                if layout.below {
-                    words.centred(&layout, column, y + height, sweep.durations[cell]);
-                }
+        for (cell, &duration) in sweep.durations.iter().enumerate() {
+            let (row, column) = (cell / layout.columns, cell % layout.columns);
+            let top = y + row * layout.pitch(height);
+            places.push((left, cell, [layout.x(column), top]));
+            if layout.below {
+                words.centred(&layout, column, top + height, duration);
             }
-            y += height + if layout.below { layout.line + GAP / 2 } else { GAP };
         }
+        y += layout.rows * layout.pitch(height);
     }
     if shown.len() < left.len() {
         words.caption(&layout, y, &format!("the first {} of {} cases", shown.len(), left.len()));
         y += layout.line;
     }
     let height = (y + GAP / 2).next_multiple_of(2);
-    let refused = |problem: String| Error::file(path, problem);
-    let mut sheet = words.drawn(&layout, height).map_err(refused)?;
+    let mut sheet = words.drawn(&layout, height).map_err(|problem| Error::file(path, problem))?;
     for (left, cell, at) in places {
         paste(&mut sheet, layout.width, left, enlarged(left, side), layout.across, cell, at);
     }
@@ -147,16 +145,27 @@ impl Words {
         self.0.push(([GAP as f64, y as f64], cut, false));
     }
 
-    /// A white sheet with these words, 8-bit RGB.
+    /// A white sheet with these words, 8-bit RGB. Only the lines that hold words are drawn, one below the other.
     fn drawn(&self, layout: &Layout, height: usize) -> Result<Vec<u8>, String> {
-        let mut sheet = Sheet::new(layout.width as f64 / 2.0, height as f64 / 2.0);
+        let mut lines: Vec<usize> = self.0.iter().map(|word| word.0[1] as usize).collect();
+        lines.dedup();
+        let words_height = (lines.len() * layout.line).max(2);
+        let mut sheet = Sheet::new(layout.width as f64 / 2.0, words_height as f64 / 2.0);
         for ([x, y], words, centred) in &self.0 {
-            let at = (x / 2.0, (y + 0.72 * layout.line as f64) / 2.0);
+            let line = lines.iter().position(|&line| line == *y as usize).unwrap_or(0);
+            let at = (x / 2.0, (line as f64 + 0.72) * layout.line as f64 / 2.0);
             let anchor = if *centred { Anchor::Middle } else { Anchor::Start };
             sheet.text(at, words, layout.size(), anchor, BLACK);
         }
-        let drawn = frames::decode_png(&sheet.png()?).filter(|drawn| (drawn.0, drawn.1) == (layout.width, height));
-        drawn.map(|drawn| drawn.2).ok_or_else(|| "the words of the sheet could not be drawn".into())
+        let drawn =
+            frames::decode_png(&sheet.png()?).filter(|drawn| (drawn.0, drawn.1) == (layout.width, words_height));
+        let (_, _, drawn) = drawn.ok_or("the words of the sheet could not be drawn")?;
+        let mut white = vec![255; 3 * layout.width * height];
+        let bytes = 3 * layout.width * layout.line;
+        for (&y, drawn) in lines.iter().zip(drawn.chunks_exact(bytes)) {
+            white[3 * layout.width * y..][..bytes].copy_from_slice(drawn);
+        }
+        Ok(white)
     }
 }
 
@@ -205,7 +214,7 @@ mod tests {
 
     #[test]
     fn one_case_is_laid_out_in_even_rows_and_many_in_one_row_each() {
-        assert_eq!([1, 3, 6, 8, 16, 64].map(|durations| columns(1, durations)), [1, 3, 3, 4, 4, 8]);
+        assert_eq!([1, 3, 6, 8, 16, 64].map(|durations| columns(1, durations)), [1, 3, 3, 4, 4, 11]);
         assert_eq!([1, 6, 12, 13, 64].map(|durations| columns(5, durations)), [1, 6, 12, 7, 11]);
     }
 }

@@ -24,13 +24,17 @@ pub const PLOT: &str = "sweep.svg";
 /// A folder that holds one sweep.
 pub struct Folder {
     pub path: PathBuf,
-    digest: String,
+    /// Names the sweep.
+    pub digest: String,
 }
 
 /// `case.json`: what the sheet and the plot need beside the pictures and rows.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Done {
-    digest: String,
+    /// The sweep's, of which it is a case.
+    pub digest: String,
+    /// Frames with samples that had to be mended, and numbers without a file.
+    pub bad_frames: usize,
     /// Width and height of the sheet's pictures.
     pub size: [usize; 2],
     pub steady: Vec<Steady>,
@@ -133,20 +137,11 @@ impl Folder {
     }
 
     /// Leaves what a case is known by; from then on it is finished.
-    pub fn finish(
-        &self,
-        number: usize,
-        rows: &str,
-        pictures: &[u8],
-        size: [usize; 2],
-        steady: Vec<Steady>,
-    ) -> Result<()> {
-        let path = self.case(number);
-        atomic::write_text(&path.join("cells.csv"), rows)?;
-        let height = pictures.len() / (3 * size[0]);
-        frames::write_png(&path.join("cells.png"), size[0], height, pictures)?;
-        let done = json!(Done { digest: self.digest.clone(), size, steady });
-        atomic::write_text(&path.join("case.json"), &format!("{done}\n"))
+    pub fn finish(&self, number: usize, left: &Left) -> Result<()> {
+        let (path, width) = (self.case(number), left.done.size[0]);
+        atomic::write_text(&path.join("cells.csv"), &left.rows)?;
+        frames::write_png(&path.join("cells.png"), width, left.pictures.len() / (3 * width), &left.pictures)?;
+        atomic::write_text(&path.join("case.json"), &format!("{}\n", json!(left.done)))
     }
 
     /// What a finished case left.

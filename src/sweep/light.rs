@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::config::Config;
 use crate::display::Survey;
 use crate::error::Result;
-use crate::light::{Planes, Projection};
+use crate::light::{Frame, Planes, Projection};
 use crate::run::{self, Scene};
 use crate::sweep::reduced;
 use crate::viewer;
@@ -17,14 +17,16 @@ pub struct Lit {
     pub planes: Planes,
     pub survey: Survey,
     pub small: Planes,
+    /// Whether samples had to be mended.
+    pub mended: bool,
 }
 
 /// Decodes a frame; `side` is the square that its reduction must fit into.
 pub fn lit(scene: &Scene, file: usize, side: usize) -> Result<Arc<Lit>> {
-    let planes = scene.footage.read(file, scene.vision.projection(), None)?.planes;
+    let Frame { planes, tally } = scene.footage.read(file, scene.vision.projection(), None)?;
     let survey = viewer::survey(&scene.vision, &planes, scene.pixels_per_degree);
     let small = reduced::reduced(&planes, reduced::size([planes.width, planes.height], side));
-    Ok(Arc::new(Lit { planes, survey, small }))
+    Ok(Arc::new(Lit { planes, survey, small, mended: tally.non_finite() > 0 }))
 }
 
 /// What two cases must have in common to see one decoded still.

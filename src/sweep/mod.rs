@@ -13,6 +13,8 @@ mod plot;
 mod reduced;
 mod table;
 
+use std::collections::BTreeSet;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -30,7 +32,7 @@ use crate::run::{self, Existing, Scene, Watch};
 use crate::units::Seconds;
 
 use eye::Eye;
-use folder::{Folder, Left, Steady};
+use folder::{Done, Folder, Left, Steady};
 use light::{Key, Lit};
 use pass::Span;
 
@@ -52,6 +54,8 @@ pub struct Outcome {
     pub ran: usize,
     /// Cases that were finished already.
     pub kept: usize,
+    /// Some frames were bad and a policy let the sweep go on (exit code 3).
+    pub went_on: bool,
     /// `sweep.csv`, unless only one case was run.
     pub table: Option<PathBuf>,
 }
@@ -68,8 +72,14 @@ pub fn sweep(config: &Config, path: &Path, existing: Existing, part: Part, watch
     warn_of_display(&sweep, watch);
     let cells = Cells { sweep: &sweep, folder: &folder, watch, side: contact::side(&sweep), done: AtomicUsize::new(0) };
     cells.run(&pending)?;
-    let table = if let Part::Index(_) = part { None } else { Some(gather(&sweep, &folder)?) };
-    Ok(Outcome { ran: pending.len(), kept: kept.len(), table })
+    let numbers = if let Part::Index(number) = part { number..number + 1 } else { 0..sweep.cases.len() };
+    let left = finished_cases(&folder, numbers)?;
+    let table = if let Part::Index(_) = part { None } else { Some(gather(&sweep, &folder, &left)?) };
+    let bad_frames: usize = left.iter().map(|case| case.done.bad_frames).sum();
+    if bad_frames > 0 {
+        watch.warn(&format!("{bad_frames} bad frames were mended or held, counting those of every case"));
+    }
+    Ok(Outcome { ran: pending.len(), kept: kept.len(), went_on: bad_frames > 0, table })
 }
 
 /// The cases that a part of a sweep runs.
@@ -135,6 +145,8 @@ impl Cells<'_> {
         if pending.is_empty() {
             return Ok(());
         }
+        let notes: BTreeSet<&String> = pending.iter().flat_map(|opened| &opened.scene.footage.header().notes).collect();
+        notes.into_iter().for_each(|note| self.watch.warn(note));
         let first = Opened::new(&self.sweep.cases[0], self.sweep)?;
         let mut held = (light::key(&first.case.config, &first.scene), self.lit(&first)?);
         let map = first.case.config.display().follow(None, &held.1.survey, Seconds(0.0));
@@ -166,12 +178,14 @@ impl Cells<'_> {
         let mut eye = Eye::new(case, scene, first, self.sweep.pictures, spans.len())?;
         let (mut file, mut light) = (opened.first_file(), first.clone());
         let (mut rows, mut pictures, mut steady) = (table::header(&self.sweep.keys), Vec::new(), Vec::new());
+        let mut bad_frames = scene.held.len() + usize::from(first.mended);
         for span in spans {
             if self.watch.interrupted() {
                 return Err(Error::Interrupted { checkpoint: path });
             }
             if span.file != file {
                 (file, light) = (span.file, light::lit(scene, span.file, self.side)?);
+                bad_frames += usize::from(light.mended);
             }
             let sight = eye.watch(&light, span);
             let Some(cell) = span.cell else { continue };
@@ -187,7 +201,8 @@ impl Cells<'_> {
             .iter()
             .map(|reading| Steady { bleached: reading.p.map(|p| 1.0 - p), chromaticity: chromaticity(reading.xyz) });
         let size = [first.small.width, first.small.height];
-        self.folder.finish(case.number, &rows, &pictures, size, steady.collect())
+        let done = Done { digest: self.folder.digest.clone(), bad_frames, size, steady: steady.collect() };
+        self.folder.finish(case.number, &Left { done, rows, pictures })
     }
 }
 
@@ -217,25 +232,28 @@ fn groups<'a, 'b>(opened: &'b [Opened<'a>]) -> Vec<(Key, Vec<&'b Opened<'a>>)> {
     groups
 }
 
-/// Makes the table, the sheet and the plot of all cases; returns where the table is.
-fn gather(sweep: &Sweep, folder: &Folder) -> Result<PathBuf> {
+/// What cases left; all of them must be finished.
+fn finished_cases(folder: &Folder, numbers: Range<usize>) -> Result<Vec<Left>> {
     let missing: Vec<String> =
-        (0..sweep.cases.len()).filter(|&n| !folder.is_finished(n)).map(|n| n.to_string()).collect();
+        numbers.clone().filter(|&number| !folder.is_finished(number)).map(|number| number.to_string()).collect();
     if !missing.is_empty() {
         let (count, first) = (missing.len(), &missing[..missing.len().min(10)]);
-        let problem =
-            format!("{count} of {} cases are not finished: run --index {}", sweep.cases.len(), first.join(", "));
+        let problem = format!("{count} of {} cases are not finished: run --index {}", numbers.len(), first.join(", "));
         return Err(Error::file(&folder.path, problem));
     }
-    let left = (0..sweep.cases.len()).map(|number| folder.left(number)).collect::<Result<Vec<Left>>>()?;
+    numbers.map(|number| folder.left(number)).collect()
+}
+
+/// Makes the table, the sheet and the plot of all cases; returns where the table is.
+fn gather(sweep: &Sweep, folder: &Folder, left: &[Left]) -> Result<PathBuf> {
     let mut all = table::header(&sweep.keys);
-    for case in &left {
+    for case in left {
         all.extend(case.rows.split_inclusive('\n').skip(1));
     }
     let table = folder.path.join(folder::TABLE);
     atomic::write_text(&table, &all)?;
-    contact::write(&folder.path.join(folder::CONTACT), sweep, &left)?;
-    plot::write(&folder.path.join(folder::PLOT), sweep, &left)?;
+    contact::write(&folder.path.join(folder::CONTACT), sweep, left)?;
+    plot::write(&folder.path.join(folder::PLOT), sweep, left)?;
     folder.tidy()?;
     Ok(table)
 }

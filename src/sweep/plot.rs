@@ -78,13 +78,13 @@ fn legend(sheet: &mut Sheet) {
     sheet.text((90.0, 24.0), "bleached fraction of the pigment in", 16, Anchor::Start, BLACK);
     sheet.text((690.0, 24.0), "chromaticity of the percept", 16, Anchor::Start, BLACK);
     for (i, (name, ink, marker)) in CURVES.into_iter().enumerate() {
-        let x = if i < 3 { 382.0 + 66.0 * i as f64 } else { 906.0 + 62.0 * (i - 3) as f64 };
+        let x = if i < 3 { 382.0 + 66.0 * i as f64 } else { 922.0 + 58.0 * (i - 3) as f64 };
         sheet.line((x, 18.0), (x + 28.0, 18.0), ink, 2.0, "");
         sheet.mark((x + 14.0, 18.0), marker, 3.5, ink);
         sheet.text((x + 34.0, 24.0), name, 16, Anchor::Start, ink);
     }
-    sheet.line((1030.0, 18.0), (1060.0, 18.0), GREY, 1.4, "6 4");
-    sheet.text((1066.0, 24.0), "steady state", 16, Anchor::Start, BLACK);
+    sheet.line((1042.0, 18.0), (1072.0, 18.0), GREY, 1.4, "6 4");
+    sheet.text((1078.0, 24.0), "steady state", 16, Anchor::Start, BLACK);
 }
 
 fn draw(sheet: &mut Sheet, course: &Course, sweep: &Sweep, top: f64) {

@@ -3,7 +3,7 @@
 use crate::colour::{apply, chromaticity};
 use crate::error::Result;
 use crate::eye::pupil;
-use crate::frames::builtin::{Ground, Sunset};
+use crate::frames::builtin::sun_radiance;
 use crate::kinetics::Kinetics;
 use crate::spectrum::Curve;
 use crate::step::{METHODS, advance};
@@ -89,18 +89,11 @@ fn flash_train(eye: &Kinetics) -> Vec<Check> {
     checks
 }
 
-/// Mean radiance of the disc of a sun half a degree up: 200 rings.
-fn disc_mean(scene: &Sunset, nm: f64) -> f64 {
-    let rings = (0..200).map(|i| (f64::from(i) + 0.5) / 200.0);
-    rings.map(|r| r / 100.0 * scene.sun_radiance(nm, r, 0.5)).sum()
-}
-
 /// The sun half a degree up, stared at through a 2 mm pupil without Stiles-Crawford: the chromaticity of the percept.
 fn half_degree_sun(subject: &Subject) -> Result<Vec<Check>> {
     let config = subject.config("observer.stiles_crawford = \"off\"")?;
     let (eye, pigments) = (config.observer(), config.pigments());
-    let scene = Sunset::new(480, 0.5, 2.5, Ground::Sea);
-    let radiance = Curve::sampled(|nm| disc_mean(&scene, nm));
+    let radiance = Curve::sampled(|nm| sun_radiance(nm, 0.5, 2.5));
     let td = eye.illuminance(&radiance, Millimetres(pupil::SMALLEST.0), Millimetres(0.0));
     let unbleached = |t: f64| [0, 1, 2].map(|k: usize| advance(&pigments[k], 1.0, td[k], Seconds(t), 64));
     let seen = [

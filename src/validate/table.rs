@@ -10,7 +10,11 @@ use super::{Check, Validation, Verdict};
 pub fn csv(validation: &Validation) -> String {
     let header = "check,source,measured,expected,tolerance,pass\n".to_owned();
     validation.checks().fold(header, |text, c| {
-        let cell = |v: f64| if v.is_nan() { String::new() } else { v.to_string() };
+        let cell = |v: f64| match v.abs() {
+            size if size.is_nan() => String::new(),
+            size if size > 0.0 && size < 1e-3 => format!("{v:e}"),
+            _ => v.to_string(),
+        };
         let (name, source) = (quoted(&c.name), quoted(c.source));
         let [measured, expected, tolerance] = [c.measured, c.expected, c.tolerance].map(cell);
         text + &format!("{name},{source},{measured},{expected},{tolerance},{}\n", c.verdict.word())
@@ -88,7 +92,8 @@ fn sensible(value: f64, tolerance: f64) -> String {
     if value == 0.0 {
         return "0".into();
     }
-    let magnitude = value.abs().log10().floor();
+    // A value that rounds up to the next power of ten has its digits.
+    let magnitude = (1.000_001 * value.abs()).log10().floor();
     if !(-4.0..6.0).contains(&magnitude) {
         return format!("{value:.2e}");
     }

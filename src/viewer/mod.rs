@@ -1,9 +1,11 @@
 //! A staring viewer: an observer and a retina in time. One look takes a frame's light to the percept.
 //!
-//!     adapting luminance -> pupil -> per row: cone illuminance -> pigment -> percept
+//! ```text
+//! adapting luminance -> pupil -> per row: cone illuminance -> pigment -> percept
+//! ```
 //!
 //! With a still gaze the whole way is one pass over a row. With a moved gaze it is two: the light's way to the
-//! retina ([`Viewer::expose`]) and the percept's way back ([`Viewer::perceive`]), each with its own resampling.
+//! retina (`expose`) and the percept's way back (`perceive`), each with its own resampling.
 
 mod census;
 mod checked;

@@ -1,0 +1,69 @@
+//! The words that keys accept: closed sets, which an error message lists.
+
+use serde::{Deserialize, Serialize};
+
+macro_rules! words {
+    ($($(#[$doc:meta])* $name:ident { $($variant:ident),* } default $default:ident)*) => {$(
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+        #[serde(rename_all = "kebab-case")]
+        pub enum $name { $($variant),* }
+
+        impl Default for $name {
+            fn default() -> Self {
+                $name::$default
+            }
+        }
+    )*};
+}
+
+words! {
+    /// The built-in scene.
+    Scene { Sunset } default Sunset
+    /// What lies under its horizon.
+    Horizon { Sea, Land } default Sea
+    /// `input.kind`.
+    FileKind { Auto, Rgb, Spectral } default Auto
+    /// `input.quantity`.
+    QuantityKey { Density, BandIntegral } default Density
+    /// `input.missing`.
+    Missing { Error, Hold } default Error
+    /// `input.non_finite`.
+    NonFiniteKey { Error, Clamp } default Error
+    /// `input.negative`.
+    NegativeKey { Keep, Clamp } default Keep
+    /// `observer.preset`.
+    Preset { Standard, Paper } default Standard
+    /// `observer.fundamentals`; `smj1993` is the paper's.
+    SetKey { Cie2006, Smj1993 } default Cie2006
+    /// `observer.pupil`.
+    PupilKey { WatsonYellott, MoonSpencer, MoonSpencerAsPrinted, DeGrootGebhard, DeGrootGebhardAsPrinted, Fixed } default WatsonYellott
+    /// `observer.stiles_crawford`.
+    DirectionalKey { Pupil, Paper, Off } default Pupil
+    /// `observer.kinetics`.
+    LawKey { FirstOrder, SelfScreened, RateLimited } default FirstOrder
+    /// `observer.narrowing`.
+    NarrowingKey { Depleted, Narrowed } default Depleted
+    /// `numerics.model`.
+    ModelKey { Auto, None, Steady, Tracked } default Auto
+    /// `display.tone`.
+    ToneKey { Ward, Exposure } default Ward
+    /// `display.ceiling`.
+    CeilingKey { Human, Linear } default Human
+    /// `output.seen`.
+    SeenKey { Exr, None } default Exr
+    /// `output.display`.
+    DisplayFile { Png, None } default Png
+    /// `output.state`.
+    StateKey { Every, Last, None } default Last
+}
+
+words! {
+    /// What the gaze seeks: the brightest place of the first frame, or of each.
+    Seek { Brightest, BrightestEach } default Brightest
+}
+
+words! {
+    /// A published curve of p(lambda).
+    SteepWord { Measured, LensCorrected } default Measured
+}
