@@ -159,8 +159,9 @@ impl Plan {
         let mut terms = Vec::new();
         if self.is_free() {
             // Of a catch: relative to what is left. Once such a place is tracked its relative error may grow a little.
-            let untouched = growth(pigments) * self.met.untouched / (1.0 - self.met.untouched);
-            terms.push(("bleaching of places left untouched", Some(untouched)));
+            let left = 1.0 - self.met.untouched;
+            let untouched = (left > 0.0).then(|| growth(pigments) * self.met.untouched / left);
+            terms.push(("bleaching of places left untouched", untouched));
         } else if !matches!(asked, Model::Tracked { .. }) {
             terms.push(("the model that was asked for", None));
         }
