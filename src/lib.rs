@@ -36,6 +36,7 @@
 //! | [`display`] | tone reproduction, gamut, encoding | |
 //! | [`frames`] | files in and out, the built-in scene | a file format: a reader that implements [`frames::Footage`] |
 //! | [`config`] | TOML -> everything above | a key: a field in `config/settings.rs`, a range in `check.rs` |
+//! | [`plan`], [`check`] | what may be left out and at what cost; a few hundred places at full model beside the run | |
 //! | [`run`] | the loop: reader, eye, writer; checkpoints, report | |
 //! | [`chart`] | the charts that the program makes of itself | a file and a row of [`chart::CHARTS`] |
 //!
@@ -47,6 +48,7 @@
 //! * p stays within 0..1; with the exact step it does so without a clamp.
 //! * The state is never resampled: light is brought to the retina and p is read at the picture's points.
 //! * Nothing depends on the number of threads, bit for bit.
+//! * A plan promises only what its bound covers.
 //! * Memory does not grow with the number of frames. Files appear whole or not at all.
 //! * Below [`retina`] nothing loops over pixels but [`kernel`]; below [`frames`] nothing touches a file.
 //! * `exr` and `image` are named in [`frames`] only, `toml` in [`config`] only, `clap` in the program only.

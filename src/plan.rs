@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 
 use crate::eye::directional;
 use crate::kinetics::{Kinetics, Law};
-use crate::percept::LEVEL_BOUND;
+use crate::percept::level_bound;
 use crate::retina::Model;
 use crate::units::{Seconds, Trolands};
 
@@ -39,6 +39,8 @@ pub struct Plan {
     budget: Option<f64>,
     /// For each tile the most that may have bleached unseen; infinite once the tile is tracked.
     pub(crate) ledger: Vec<f64>,
+    /// The greatest peak density of a pigment, on which the levels' error depends.
+    density: f64,
     met: Met,
 }
 
@@ -79,7 +81,7 @@ impl Rule {
 impl Plan {
     /// A plan that keeps a budget, or one that does everywhere what is asked for.
     pub fn new(budget: Option<f64>) -> Self {
-        Plan { budget, ledger: Vec::new(), met: Met::default() }
+        Plan { budget, ledger: Vec::new(), density: 0.0, met: Met::default() }
     }
 
     /// Whether it is free to choose.
@@ -88,9 +90,10 @@ impl Plan {
     }
 
     /// Opens the ledger. `rested`: whether every pigment is whole; of an eye that is not, nothing may be left out.
-    pub(crate) fn open(&mut self, tiles: usize, rested: bool) {
+    pub(crate) fn open(&mut self, tiles: usize, rested: impl FnOnce() -> bool, density: [f64; 3]) {
+        self.density = density.into_iter().fold(0.0, f64::max);
         if self.ledger.len() != tiles {
-            let known = self.ledger.is_empty() && rested;
+            let known = self.ledger.is_empty() && rested();
             self.ledger = vec![if known { 0.0 } else { f64::INFINITY }; tiles];
         }
     }
@@ -180,7 +183,7 @@ impl Plan {
             _ => {}
         }
         if self.met.stepped || !self.is_free() {
-            terms.push(("pigment read at four levels", Some(LEVEL_BOUND)));
+            terms.push(("pigment read at four levels", Some(level_bound(self.density))));
             terms.push(("Stiles-Crawford weight by levels", Some(PER_LOG_LIGHT * directional::LEVEL_BOUND)));
             terms.push(("single precision of light and percept", Some(SINGLE_BOUND)));
         }

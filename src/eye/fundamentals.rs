@@ -87,6 +87,11 @@ impl Fundamentals {
         Fundamentals { unbleached, absorbance, density }
     }
 
+    /// Peak axial optical density of each class.
+    pub fn density(&self) -> [f64; 3] {
+        self.density
+    }
+
     /// s_k(.; 1): energy units, unit peak.
     pub fn unbleached(&self, cone: usize) -> &Curve {
         &self.unbleached[cone]

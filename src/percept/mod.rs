@@ -10,21 +10,18 @@
 //! weight. So the light is projected once ([`Vision::projection`]), whatever pupil and pigment do: the *moments*.
 //! p = 1 is a level, hence an unbleached eye is exact.
 
+mod levels;
 mod primaries;
 
 use crate::colour::{self, Matrix};
-use crate::eye::{Narrowing, Observer};
+use crate::eye::Observer;
 use crate::light::{Planes, Primaries, Projection};
 use crate::spectrum::{Bands, Curve};
 use crate::units::{LUMENS_PER_WATT, Millimetres, Nits};
 
+pub use levels::{LEVEL_BOUND, LEVELS, level_bound, level_weights};
+use levels::{mix, peaks, weighting_curves};
 use primaries::{basis_of_rgb, inner, srgb_catches, srgb_lights};
-
-/// The levels of p through which a narrowed pigment is interpolated.
-pub const LEVELS: [f64; 4] = [0.0, 0.25, 0.75, 1.0];
-
-/// Largest relative error of a catch from the four levels, any light, any p, density up to 0.5 (numerics 5.3).
-pub const LEVEL_BOUND: f64 = 1.9e-4;
 
 /// How planes become moments.
 #[derive(Clone, Debug)]
@@ -224,47 +221,10 @@ impl Vision {
     }
 }
 
-/// Lagrange weights of [`LEVELS`] at p; they sum to 1.
-pub fn level_weights(p: f64) -> [f64; 4] {
-    let [a, b, c, d] = [p, p - 0.25, p - 0.75, p - 1.0];
-    [
-        b * c * d / (-0.25 * 0.75),
-        a * c * d / (0.25 * 0.5 * 0.75),
-        a * b * d / (-0.75 * 0.5 * 0.25),
-        a * b * c / (0.75 * 0.25),
-    ]
-}
-
-/// Rows of the basis: H_k at the four levels for each cone, then s_k times each Stiles-Crawford share.
-fn weighting_curves(observer: &Observer) -> Vec<Curve> {
-    let eye = &observer.fundamentals;
-    let catches = (0..3).flat_map(|k| LEVELS.map(|p| eye.per_pigment(k, p)));
-    let shares = observer.directional.shares();
-    let trolands = (0..3).flat_map(|k| shares.iter().map(move |share| eye.unbleached(k).times(share)));
-    catches.chain(trolands).collect()
-}
-
-/// H at the levels for every wavelength that is the peak at some p. (The S cone has two maxima, at 443 and 447 nm,
-/// whose order changes at p = 0.4: one smooth function would miss that by 7e-4.)
-fn peaks(observer: &Observer) -> Option<[Vec<[f64; 4]>; 3]> {
-    let of_cone = |k: usize| {
-        let levels = LEVELS.map(|p| observer.fundamentals.per_pigment(k, p));
-        let peak = |i: usize| observer.fundamentals.per_pigment(k, i as f64 / 64.0).peak_and_width().0 as usize;
-        let mut wavelengths: Vec<usize> = (0..=64).map(peak).collect();
-        wavelengths.dedup();
-        wavelengths.into_iter().map(|nm| [0, 1, 2, 3].map(|j| levels[j].at(nm))).collect()
-    };
-    (observer.narrowing == Narrowing::Narrowed).then(|| [0, 1, 2].map(of_cone))
-}
-
-fn mix(weights: &[f64; 4], levels: &[f64]) -> f64 {
-    weights.iter().zip(levels).map(|(w, m)| w * m).sum()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::eye::{Directional, Field, Reading, Set, Steepness};
+    use crate::eye::{Directional, Field, Narrowing, Reading, Set, Steepness};
     use crate::light::Samples;
 
     fn white_rgb(observer: Observer) -> Vision {
@@ -361,17 +321,6 @@ mod tests {
             for k in 0..3 {
                 assert!((levels[k] / direct[k] - 1.0).abs() < LEVEL_BOUND, "{p} {k} {} {}", levels[k], direct[k]);
             }
-        }
-    }
-
-    #[test]
-    fn level_weights_sum_to_one_and_pick_their_level() {
-        for p in [0.0, 0.1, 0.5, 0.9, 1.0] {
-            assert!((level_weights(p).iter().sum::<f64>() - 1.0).abs() < 1e-14);
-        }
-        for (j, level) in LEVELS.into_iter().enumerate() {
-            let weights = level_weights(level);
-            assert!((0..4).all(|i| weights[i] == if i == j { 1.0 } else { 0.0 }), "{level}: {weights:?}");
         }
     }
 

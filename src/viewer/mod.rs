@@ -105,10 +105,8 @@ impl Viewer {
         let half = matches!(planes.samples, Samples::Half(_)) && self.vision.returns_its_light();
         let mut seen = canvas(recycled, planes, half);
         let per_row = glance.sight.tiles(planes.row(0), planes.width).count();
-        if self.plan.ledger.len() != per_row * planes.height {
-            let rested = self.retina.fractions().iter().all(|&p| p == 1.0);
-            self.plan.open(per_row * planes.height, rested);
-        }
+        let rested = || self.retina.fractions().iter().all(|&p| p == 1.0);
+        self.plan.open(per_row * planes.height, rested, self.vision.observer.fundamentals.density());
         let census = match &mut seen.samples {
             Samples::Half(seen) => self.rows(&glance, seen),
             Samples::Float(seen) => self.rows(&glance, seen),
