@@ -3,8 +3,11 @@
 //! A chart is a function and a row of [`CHARTS`]; [`draw`] is the only module that knows how ink is laid.
 
 pub mod axes;
+mod difference;
 pub mod draw;
 mod fundamentals;
+mod ladder;
+mod ladder_scenes;
 mod machine;
 pub(crate) mod palette;
 mod pigment;
@@ -32,6 +35,7 @@ pub struct Chart {
 pub const CHARTS: &[Chart] = &[
     Chart { name: "work-precision", write: work_precision::write },
     Chart { name: "stability", write: stability_map::write },
+    Chart { name: "ladder", write: ladder::write },
     Chart { name: "pigment", write: pigment::write },
     Chart { name: "fundamentals", write: fundamentals::write },
 ];

@@ -10,11 +10,15 @@
 //! weight. So the light is projected once ([`Vision::projection`]), whatever pupil and pigment do: the *moments*.
 //! p = 1 is a level, hence an unbleached eye is exact.
 
+mod primaries;
+
 use crate::colour::{self, Matrix};
 use crate::eye::{Narrowing, Observer};
 use crate::light::{Planes, Primaries, Projection};
-use crate::spectrum::{Bands, Curve, D65, SRGB_BASIS};
+use crate::spectrum::{Bands, Curve};
 use crate::units::{LUMENS_PER_WATT, Millimetres, Nits};
+
+use primaries::{basis_of_rgb, inner, srgb_catches, srgb_lights};
 
 /// The levels of p through which a narrowed pigment is interpolated.
 pub const LEVELS: [f64; 4] = [0.0, 0.25, 0.75, 1.0];
@@ -255,42 +259,6 @@ fn peaks(observer: &Observer) -> Option<[Vec<[f64; 4]>; 3]> {
 
 fn mix(weights: &[f64; 4], levels: &[f64]) -> f64 {
     weights.iter().zip(levels).map(|(w, m)| w * m).sum()
-}
-
-/// Spectra of the sRGB primaries on the 5 nm grid of their basis: (nm, radiance), scaled so that their sum has
-/// 1 cd/m2 of the observer's luminance (Mallett & Yuksel 2019, under D65).
-fn srgb_lights(observer: &Observer) -> [Vec<(usize, f64)>; 3] {
-    let raw = ["rho_r", "rho_g", "rho_b"].map(|primary| -> Vec<(usize, f64)> {
-        let shares = SRGB_BASIS.wavelengths.iter().zip(SRGB_BASIS.column(primary));
-        shares.map(|(&nm, rho)| (nm as usize, rho * D65.interpolated("d65", nm))).collect()
-    });
-    let v = observer.luminous_efficiency();
-    let white: f64 = raw.iter().map(|light| inner(&v, light)).sum();
-    raw.map(|light| light.into_iter().map(|(nm, e)| (nm, e / white)).collect())
-}
-
-/// Radiance of R, G and B in a picture's own primaries.
-fn basis_of_rgb(srgb: &[Vec<(usize, f64)>; 3], to_srgb: &Matrix, white: Nits) -> Vec<Curve> {
-    let of_primary = |j: usize| {
-        let mut light = Curve::sampled(|_| 0.0);
-        for (i, lines) in srgb.iter().enumerate() {
-            for (nm, e) in lines.iter().filter(|(nm, _)| (Curve::FROM..=Curve::TO).contains(nm)) {
-                light.0[nm - Curve::FROM] += white.0 * to_srgb[i][j] * e / LUMENS_PER_WATT;
-            }
-        }
-        light
-    };
-    (0..3).map(of_primary).collect()
-}
-
-/// Inner product of a curve with a light on the basis' grid.
-fn inner(curve: &Curve, light: &[(usize, f64)]) -> f64 {
-    light.iter().map(|&(nm, e)| curve.at(nm) * e).sum()
-}
-
-/// C(1): linear sRGB -> LMS of the unbleached observer.
-fn srgb_catches(observer: &Observer, srgb: &[Vec<(usize, f64)>; 3]) -> Matrix {
-    [0, 1, 2].map(|k| [0, 1, 2].map(|j| inner(observer.fundamentals.unbleached(k), &srgb[j])))
 }
 
 #[cfg(test)]

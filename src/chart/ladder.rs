@@ -1,0 +1,283 @@
+//! `ladder`: what each rung of modelling costs and how far it errs, scene by scene, and which one `auto` chose.
+//!
+//! The truth is the rung `full`: f64, every band, catches by their definition, sixteen sub-steps, at every eighth place
+//! in both directions. Costs are for light in memory to percept in memory, on the pool of the caller.
+
+use super::axes::{Axis, Panel};
+use super::difference::{ciede2000, lab};
+use super::draw::{Anchor, Ink, Marker, Sheet};
+use super::ladder_scenes::{Scene, scenes};
+use super::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION};
+use super::{Progress, write_csv};
+use crate::colour;
+use crate::display::Display;
+use crate::error::Result;
+use crate::kinetics::Kinetics;
+use crate::light::Planes;
+use crate::plan::{Plan, SUBSTEPS};
+use crate::retina::{Model, Retina};
+use crate::spectrum::Curve;
+use crate::step::{self, Method};
+use crate::units::{Millimetres, Seconds, Trolands};
+use crate::viewer::{Viewer, survey};
+use std::path::Path;
+use std::time::Instant;
+
+const BUDGET: f64 = 1e-3;
+
+/// Every so many places are followed at full model.
+const STRIDE: usize = 8;
+
+const PIXELS_PER_DEGREE: f64 = 8.0;
+
+/// What one rung did on one scene.
+struct Rung {
+    name: &'static str,
+    cost_ms: f64,
+    /// Largest error of p and of a catch.
+    errors: [f64; 2],
+    /// CIEDE2000 of the display picture, 95 % and largest.
+    differences: [f64; 2],
+    bound: Option<f64>,
+    chosen: bool,
+}
+
+/// What was seen at the followed places: fractions after each frame, and at the end catches and colours.
+struct Seen {
+    p: Vec<[f64; 3]>,
+    catch: Vec<[f64; 3]>,
+    colours: Vec<[u8; 3]>,
+    cost_ms: f64,
+}
+
+fn pigments() -> [Kinetics; 3] {
+    [4.3, 4.3, 5.0].map(|log: f64| Kinetics::first_order(Trolands(10f64.powf(log)), Seconds(120.0)))
+}
+
+fn tracked() -> Model {
+    let method = Method::named("exact").unwrap_or(&step::METHODS[0]);
+    Model::Tracked { method, substeps: 0, budget: SUBSTEPS * BUDGET }
+}
+
+pub(super) fn write(out_dir: &Path, progress: Progress) -> Result<()> {
+    let mut found = Vec::new();
+    for scene in scenes()? {
+        progress(&format!("ladder: {}", scene.title));
+        let rungs = climb(&scene);
+        found.push((scene, rungs));
+    }
+    let header =
+        "scene,rung,ms_per_megapixel_frame,max_error_p,max_error_catch,delta_e_2000_p95,delta_e_2000_max,bound,chosen";
+    let row = |scene: &Scene, r: &Rung| {
+        let bound = r.bound.map_or(String::new(), |bound| format!("{bound:.3e}"));
+        let ([p, catch], [most, max]) = (r.errors, r.differences);
+        format!(
+            "{},{},{:.3},{p:.3e},{catch:.3e},{most:.3},{max:.3},{bound},{}",
+            scene.name, r.name, r.cost_ms, r.chosen
+        )
+    };
+    let rows = found.iter().flat_map(|(scene, rungs)| rungs.iter().map(move |rung| row(scene, rung)));
+    write_csv(out_dir, "ladder", header, rows)?;
+    draw(&found).write(out_dir, "ladder")
+}
+
+/// Every rung on one scene, the truth last but one, what `auto` did last.
+fn climb(scene: &Scene) -> Vec<Rung> {
+    let truth = full(scene);
+    let (auto, plan) = seen(scene, tracked(), Plan::new(Some(BUDGET)));
+    let chosen = plan.name(tracked());
+    // A budget without end leaves everything out and says what that may cost.
+    let (_, everything_out) = seen(scene, tracked(), Plan::new(Some(f64::MAX)));
+    let mut rungs = Vec::new();
+    for model in [Model::Unbleached, Model::Steady, tracked()] {
+        let (ours, asked) = seen(scene, model, Plan::new(None));
+        let bound = match model {
+            Model::Unbleached => everything_out.bound(tracked(), &pigments()),
+            model => asked.bound(model, &pigments()),
+        };
+        rungs.push(rung(model.name(), &ours, &truth, bound, chosen));
+    }
+    rungs.push(rung("full", &truth, &truth, Some(0.0), chosen));
+    rungs.push(rung("auto", &auto, &truth, plan.bound(tracked(), &pigments()), chosen));
+    rungs
+}
+
+fn rung(name: &'static str, ours: &Seen, truth: &Seen, bound: Option<f64>, chosen: &str) -> Rung {
+    let worst = |a: &[[f64; 3]], b: &[[f64; 3]], error: fn(f64, f64) -> f64| {
+        a.iter().flatten().zip(b.iter().flatten()).map(|(a, b)| error(*a, *b)).fold(0.0, f64::max)
+    };
+    let apart = ours.colours.iter().zip(&truth.colours).map(|(a, b)| ciede2000(lab(*a), lab(*b)));
+    let mut apart: Vec<f64> = apart.collect();
+    apart.sort_by(f64::total_cmp);
+    Rung {
+        name,
+        cost_ms: ours.cost_ms,
+        errors: [
+            worst(&ours.p, &truth.p, |a, b| (a - b).abs()),
+            worst(&ours.catch, &truth.catch, |a, b| if b > 0.0 { (a / b - 1.0).abs() } else { 0.0 }),
+        ],
+        differences: [apart[apart.len() * 95 / 100], apart[apart.len() - 1]],
+        bound,
+        chosen: name == chosen,
+    }
+}
+
+fn followed(planes: &Planes) -> Vec<[usize; 2]> {
+    let rows = (0..planes.height).step_by(STRIDE);
+    rows.flat_map(|y| (0..planes.width).step_by(STRIDE).map(move |x| [x, y])).collect()
+}
+
+/// A scene through the viewer that runs use.
+fn seen(scene: &Scene, model: Model, plan: Plan) -> (Seen, Plan) {
+    let first = &scene.pictures[0];
+    let retina = Retina::rested(first.width, first.height);
+    let mut viewer = Viewer::new(scene.vision.clone(), pigments(), model, retina, PIXELS_PER_DEGREE);
+    viewer.plan = plan;
+    let surveys: Vec<_> = scene.pictures.iter().map(|p| survey(&scene.vision, p, PIXELS_PER_DEGREE)).collect();
+    let (mut percept, mut costs, mut p) = (None, Vec::new(), Vec::new());
+    for &(picture, dt) in &scene.frames {
+        let planes = &scene.pictures[picture];
+        let begun = Instant::now();
+        let look = viewer.look(planes, &surveys[picture], gaze(planes), dt, percept.take());
+        costs.push(1e3 * begun.elapsed().as_secs_f64());
+        percept = Some(look.seen);
+        p.extend(followed(planes).into_iter().map(|at| viewer.fractions_at([0.0; 2], at)));
+    }
+    let last = &scene.pictures[scene.frames[scene.frames.len() - 1].0];
+    let places = followed(last);
+    let now = &p[p.len() - places.len()..];
+    let catch = places.iter().zip(now).map(|(at, p)| scene.vision.catch(&scene.vision.moments(last, at[0], at[1]), *p));
+    let catch: Vec<[f64; 3]> = catch.collect();
+    let rgb = |percept: &Planes| places.iter().map(|at| [0, 1, 2].map(|i| percept.at(at[0], at[1], i))).collect();
+    let colours = shown(scene, &percept.as_ref().map_or(Vec::new(), rgb));
+    costs.sort_by(f64::total_cmp);
+    let cost_ms = costs[costs.len() / 2] / megapixels(last);
+    (Seen { p, catch, colours, cost_ms }, viewer.plan)
+}
+
+/// A scene at full model, at the followed places.
+fn full(scene: &Scene) -> Seen {
+    let places = followed(&scene.pictures[0]);
+    let first = &scene.pictures[0];
+    let mut viewer =
+        Viewer::new(scene.vision.clone(), pigments(), Model::Unbleached, Retina::rested(1, 1), PIXELS_PER_DEGREE);
+    let surveys: Vec<_> = scene.pictures.iter().map(|p| survey(&scene.vision, p, PIXELS_PER_DEGREE)).collect();
+    let (mut now, mut p) = (vec![[1.0; 3]; places.len()], Vec::new());
+    let begun = Instant::now();
+    for &(picture, dt) in &scene.frames {
+        let planes = &scene.pictures[picture];
+        let adapting = viewer.adapting(planes, &surveys[picture], gaze(planes));
+        let pupil = viewer.pupil.follow(adapting, dt);
+        for (at, p) in places.iter().zip(&mut now) {
+            let td = scene.vision.observer.illuminance(&radiance(scene, planes, *at), pupil, Millimetres(0.0));
+            *p = [0, 1, 2].map(|k| step::advance(&pigments()[k], p[k], td[k], dt, 16));
+        }
+        p.extend_from_slice(&now);
+    }
+    let stepping = begun.elapsed().as_secs_f64() / scene.frames.len() as f64;
+    let last = &scene.pictures[scene.frames[scene.frames.len() - 1].0];
+    let begun = Instant::now();
+    let catch: Vec<[f64; 3]> =
+        places.iter().zip(&now).map(|(at, p)| scene.vision.observer.catch(&radiance(scene, last, *at), *p)).collect();
+    let catching = begun.elapsed().as_secs_f64();
+    let rgb: Vec<[f64; 3]> = catch.iter().map(|catch| colour::apply(&scene.vision.lms_to_seen, *catch)).collect();
+    let share = places.len() as f64 / (first.width * first.height) as f64;
+    let cost_ms = 1e3 * (stepping + catching) / share / megapixels(first);
+    Seen { p, catch, colours: shown(scene, &rgb), cost_ms }
+}
+
+fn radiance(scene: &Scene, planes: &Planes, [x, y]: [usize; 2]) -> Curve {
+    let mut light = Curve::sampled(|_| 0.0);
+    for (i, basis) in scene.vision.basis().iter().enumerate() {
+        let value = planes.at(x, y, i);
+        light.0.iter_mut().zip(&basis.0).for_each(|(sum, b)| *sum += value * b);
+    }
+    light
+}
+
+fn gaze(planes: &Planes) -> [f64; 2] {
+    [planes.width as f64 / 2.0, planes.height as f64 / 2.0]
+}
+
+fn megapixels(planes: &Planes) -> f64 {
+    (planes.width * planes.height) as f64 / 1e6
+}
+
+/// Percepts at the end as the display shows them, under the map of the last picture's own light.
+fn shown(scene: &Scene, percepts: &[[f64; 3]]) -> Vec<[u8; 3]> {
+    let last = &scene.pictures[scene.frames[scene.frames.len() - 1].0];
+    let display = Display::default();
+    let map = display.follow(None, &survey(&scene.vision, last, PIXELS_PER_DEGREE), Seconds(1.0));
+    let srgb: Vec<[f64; 3]> = percepts.iter().map(|rgb| colour::apply(&scene.vision.seen_to_srgb, *rgb)).collect();
+    let planes: [Vec<f32>; 3] = [0, 1, 2].map(|i| srgb.iter().map(|rgb| rgb[i] as f32).collect());
+    let mut bytes = vec![0; 3 * srgb.len()];
+    display.encode_row(&map, planes.each_ref().map(Vec::as_slice), 1.0, &mut bytes);
+    bytes.as_chunks().0.to_vec()
+}
+
+/// How each rung is drawn.
+fn style(name: &str) -> (Ink, Marker) {
+    match name {
+        "none" => (ORANGE, Marker::Square),
+        "steady" => (PURPLE, Marker::Triangle),
+        "tracked" => (BLUE, Marker::Disc),
+        "full" => (GREY, Marker::Diamond),
+        _ => (GREEN, Marker::Ring),
+    }
+}
+
+/// Errors below this are drawn on the floor.
+const FLOOR: f64 = 1e-9;
+
+fn draw(found: &[(Scene, Vec<Rung>)]) -> Sheet {
+    let mut sheet = Sheet::new(1560.0, 1000.0);
+    let title = "No more than a scene needs: cost and error of each rung, and what auto chose";
+    sheet.bold((780.0, 32.0), title, 22, Anchor::Middle, BLACK);
+    for (i, (scene, rungs)) in found.iter().enumerate() {
+        let (left, top) = (95.0 + 510.0 * (i % 3) as f64, 95.0 + 455.0 * (i / 3) as f64);
+        let x = Axis { from: 1.0, to: 1e6, logarithmic: true, every: 1.0, label: "ms for a megapixel and frame" };
+        let y =
+            Axis { from: FLOOR, to: 1.0, logarithmic: true, every: 1.0, label: "largest error, of p or of a catch" };
+        let panel = Panel { left, top, width: 380.0, height: 320.0, x, y };
+        panel.frame(&mut sheet);
+        sheet.bold((left, top - 12.0), scene.title, 17, Anchor::Start, BLACK);
+        let (from, to) = (panel.at(1.0, BUDGET), panel.at(1e6, BUDGET));
+        sheet.line(from, to, VERMILION, 1.2, "6 4");
+        rungs.iter().for_each(|rung| draw_rung(&mut sheet, &panel, rung));
+    }
+    legend(&mut sheet, (1130.0, 590.0));
+    sheet
+}
+
+fn draw_rung(sheet: &mut Sheet, panel: &Panel, rung: &Rung) {
+    let (ink, marker) = style(rung.name);
+    let error = rung.errors[0].max(rung.errors[1]).max(FLOOR);
+    let at = panel.at(rung.cost_ms, error);
+    if let Some(bound) = rung.bound.filter(|bound| *bound > FLOOR) {
+        let (x, y) = panel.at(rung.cost_ms, bound);
+        sheet.line((x, y), at, ink, 1.0, "2 3");
+        sheet.line((x - 9.0, y), (x + 9.0, y), ink, 2.4, "");
+    }
+    sheet.mark(at, marker, if rung.name == "auto" { 12.0 } else { 6.0 }, ink);
+}
+
+fn legend(sheet: &mut Sheet, (x, y): (f64, f64)) {
+    let words = [
+        ("none", "none: nothing bleaches"),
+        ("steady", "steady: frame by frame (paper Eq. 1)"),
+        ("tracked", "tracked: the exact step, by kernels"),
+        ("full", "full: every nanometre, 16 sub-steps (the truth)"),
+        ("auto", "auto: what the plan chose"),
+    ];
+    for (i, (name, words)) in words.into_iter().enumerate() {
+        let (ink, marker) = style(name);
+        let y = y + 34.0 * i as f64;
+        sheet.mark((x, y), marker, if name == "auto" { 12.0 } else { 6.0 }, ink);
+        sheet.text((x + 24.0, y + 5.0), words, 16, Anchor::Start, BLACK);
+    }
+    let y = y + 34.0 * words.len() as f64;
+    sheet.line((x - 10.0, y), (x + 10.0, y), BLACK, 2.4, "");
+    sheet.text((x + 24.0, y + 5.0), "the most it can err, where that is promised", 16, Anchor::Start, BLACK);
+    sheet.line((x - 14.0, y + 34.0), (x + 14.0, y + 34.0), VERMILION, 1.2, "6 4");
+    sheet.text((x + 24.0, y + 39.0), "the budget, 10⁻³", 16, Anchor::Start, BLACK);
+}
