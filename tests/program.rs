@@ -125,6 +125,21 @@ fn a_folder_with_something_in_it_is_refused_resumed_or_overwritten() {
     assert!(told(&changed).contains("observer.age"), "{}", told(&changed));
 }
 
+#[test]
+fn a_mistake_costs_nothing_of_an_earlier_run() {
+    let folder = folder();
+    assert_eq!(code(&run_small(folder.path(), &["--out", "o"])), 0);
+    let files = || std::fs::read_dir(folder.path().join("o")).unwrap().count();
+    let before = files();
+    for mistake in
+        ["output.compression=tar", "numerics.method=leapfrog", "observer.start=nowhere.exr", "gaze.path=nowhere.csv"]
+    {
+        let output = run_small(folder.path(), &["--out", "o", "--overwrite", "--set", mistake]);
+        assert_ne!(code(&output), 0, "{mistake}");
+        assert_eq!(files(), before, "{mistake}");
+    }
+}
+
 /// A configuration, the exit code it deserves and what the message must name.
 const WRONG: &[(&str, i32, &[&str])] = &[
     ("[observer]\nagee = 30\n", 2, &["c.toml:2", "agee"]),

@@ -69,19 +69,21 @@ pub struct Outcome {
 pub fn run(config: &Config, folder: &Path, existing: Existing, watch: &dyn Watch) -> Result<Outcome> {
     let begun = Instant::now();
     let resolved = resolved(&config.settings);
-    let prepared = folder::prepare(folder, existing, &resolved)?;
-    if let Prepared::Complete(report) = prepared {
-        return Ok(Outcome { went_on: false, already: true, report });
-    }
-    let resume = match prepared {
-        Prepared::Resume(checkpoint) => Some(*checkpoint),
-        _ => None,
-    };
+    // Everything that can be wrong is found before an earlier run's files are touched.
+    config.compression()?;
     let scene = Scene::open(config)?;
+    let mut eye = Eye::new(config, &scene, resolved.clone())?;
+    let resume = match folder::prepare(folder, existing, &resolved)? {
+        Prepared::Complete(report) => return Ok(Outcome { went_on: false, already: true, report }),
+        Prepared::Resume(checkpoint) => Some(*checkpoint),
+        Prepared::Fresh => None,
+    };
+    if let Some(checkpoint) = &resume {
+        eye.restore(checkpoint)?;
+    }
     for note in &scene.footage.header().notes {
         watch.warn(note);
     }
-    let mut eye = Eye::new(config, &scene, resolved, resume.as_ref())?;
     let spent = stages(config, &scene, &mut eye, folder, resume.as_ref(), watch)?;
     finish(config, &scene, eye, folder, spent, begun, watch)
 }
@@ -107,7 +109,7 @@ struct Eye {
 }
 
 impl Eye {
-    fn new(config: &Config, scene: &Scene, resolved: Value, resume: Option<&Checkpoint>) -> Result<Eye> {
+    fn new(config: &Config, scene: &Scene, resolved: Value) -> Result<Eye> {
         let header = scene.footage.header();
         let retina = match config.settings.observer.start.as_str() {
             "rested" | "adapted" => Retina::rested(header.width, header.height),
@@ -118,7 +120,7 @@ impl Eye {
             Viewer::new(scene.vision.clone(), config.pigments(), config.model()?, retina, pixels_per_degree);
         viewer.plan = config.plan();
         viewer.surround = Nits(config.settings.gaze.surround_cd_m2);
-        let mut eye = Eye {
+        Ok(Eye {
             viewer,
             gaze: Gaze::of(config)?,
             probes: record::probes(config),
@@ -130,11 +132,7 @@ impl Eye {
             config: resolved,
             done: 0,
             busy: Duration::ZERO,
-        };
-        if let Some(checkpoint) = resume {
-            eye.restore(checkpoint)?;
-        }
-        Ok(eye)
+        })
     }
 
     fn restore(&mut self, checkpoint: &Checkpoint) -> Result<()> {

@@ -14,7 +14,7 @@ use crate::run::watch::Watch;
 /// The plan of a configuration: the same terms that `report.json` of its run has, and what its frames cost.
 pub fn rehearse(config: &Config, watch: &dyn Watch) -> Result<Value> {
     let scene = Scene::open(config)?;
-    let mut eye = Eye::new(config, &scene, resolved(&config.settings), None)?;
+    let mut eye = Eye::new(config, &scene, resolved(&config.settings))?;
     let mut sequence = scene.sequence(Some(Vec::new()));
     let (mut reading, mut last): (Duration, Option<(usize, Arc<Loaded>)>) = (Duration::ZERO, None);
     let mut recycled = None;
