@@ -1,0 +1,202 @@
+//! The middle stage of a run: the eye, with everything it carries from frame to frame.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use ndarray::Array3;
+use serde_json::Value;
+
+use crate::check::Check;
+use crate::config::Config;
+use crate::config::settings::{DisplayFile, StateKey};
+use crate::display::{Display, ToneMap};
+use crate::error::{Error, Result};
+use crate::frames;
+use crate::light::{Planes, Samples};
+use crate::plan::Plan;
+use crate::retina::{Model, Retina};
+use crate::run::checkpoint::{self, Checkpoint};
+use crate::run::gaze::Gaze;
+use crate::run::reader::Loaded;
+use crate::run::record::{self, Probe, Reading};
+use crate::run::report::Counters;
+use crate::run::scene::Scene;
+use crate::run::schedule::Step;
+use crate::run::writer::Finished;
+use crate::units::{Nits, Seconds};
+use crate::viewer::{Look, Viewer};
+
+/// The eye between the two other stages, with everything it carries from frame to frame.
+pub(super) struct Eye {
+    pub viewer: Viewer,
+    pub gaze: Gaze,
+    pub probes: Vec<Probe>,
+    pub display: Option<Display>,
+    pub map: Option<Arc<ToneMap>>,
+    pub counters: Counters,
+    pub check: Option<Check>,
+    pub state: StateKey,
+    pub config: Value,
+    pub done: usize,
+    pub busy: Duration,
+}
+
+impl Eye {
+    pub fn new(config: &Config, scene: &Scene, resolved: Value) -> Result<Eye> {
+        let header = scene.footage.header();
+        let retina = match config.settings.observer.start.as_str() {
+            "rested" | "adapted" => Retina::rested(header.width, header.height),
+            file => retina_of_file(config, file, header.width, header.height)?,
+        };
+        let pixels_per_degree = scene.pixels_per_degree;
+        let mut viewer =
+            Viewer::new(scene.vision.clone(), config.pigments(), config.model()?, retina, pixels_per_degree);
+        viewer.plan = config.plan();
+        viewer.surround = Nits(config.settings.gaze.surround_cd_m2);
+        Ok(Eye {
+            viewer,
+            gaze: Gaze::of(config)?,
+            probes: record::probes(config),
+            display: (config.settings.output.display == DisplayFile::Png).then(|| scene.display(config)),
+            map: None,
+            counters: Counters { held_frames: scene.held.clone(), ..Counters::default() },
+            check: None,
+            state: config.settings.output.state,
+            config: resolved,
+            done: 0,
+            busy: Duration::ZERO,
+        })
+    }
+
+    pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<()> {
+        let c = checkpoint.clone();
+        let retina = Retina::restored(c.retina, c.retina_size, c.retina_origin, c.beyond.map(f64::from_bits));
+        self.viewer.retina = retina.ok_or_else(|| Error::file(checkpoint::NAME, "holds a retina of another size"))?;
+        self.viewer.first_gaze = c.first_gaze;
+        self.viewer.pupil.restore(&c.pupil);
+        self.viewer.plan.restore(&c.plan);
+        self.map = self.display.as_ref().and_then(|display| display.restore(c.map)).map(Arc::new);
+        (self.counters, self.done, self.check) = (c.counters, c.done, c.check);
+        Ok(())
+    }
+
+    pub fn checkpoint(&self, steps: &[Step]) -> Checkpoint {
+        let retina = &self.viewer.retina;
+        let header = checkpoint::Header {
+            config: self.config.clone(),
+            done: self.done,
+            last_frame: steps[self.done - 1].number,
+            first_gaze: self.viewer.first_gaze,
+            retina_size: retina.size(),
+            retina_origin: retina.origin(),
+            beyond: retina.beyond(),
+            counters: self.counters.clone(),
+            check: self.check.clone(),
+        };
+        let map = self.map.as_ref().map_or(Vec::new(), |map| map.levels().to_vec());
+        let plan = self.viewer.plan.to_numbers();
+        Checkpoint::new(header, retina.fractions().to_vec(), map, self.viewer.pupil.to_numbers(), plan)
+    }
+
+    /// The places of the sampled check: `None`: to be chosen on the first frame; none where a model was asked for
+    /// that is not meant to be true.
+    pub fn places_to_check(&self) -> Option<Vec<[usize; 2]>> {
+        match (&self.check, self.viewer.model) {
+            (Some(check), _) => Some(check.places.clone()),
+            (None, Model::Tracked { .. }) => None,
+            _ => Some(Vec::new()),
+        }
+    }
+
+    /// The steady state of the first frame, before the first look.
+    fn adapt(&mut self, loaded: &Loaded, gaze: [f64; 2], duration: Seconds) {
+        let (pupil, model) = (self.viewer.pupil.clone(), self.viewer.model);
+        let plan = std::mem::replace(&mut self.viewer.plan, Plan::new(None));
+        self.viewer.model = Model::Steady;
+        self.viewer.look(&loaded.frame.planes, &loaded.survey, gaze, duration, None);
+        (self.viewer.pupil, self.viewer.model, self.viewer.plan) = (pupil, model, plan);
+    }
+
+    /// Looks at one frame and hands over what is to be written of it. `recycled`: a percept to be written over.
+    pub fn see(&mut self, loaded: &Loaded, step: &Step, adapt: bool, last: bool, recycled: Option<Planes>) -> Finished {
+        let begun = Instant::now();
+        let planes = &loaded.frame.planes;
+        let size = [planes.width, planes.height];
+        let gaze = self.gaze.pixel(step.end(), &loaded.survey, size, self.viewer.first_gaze);
+        let duration = Seconds(step.duration);
+        if adapt {
+            self.adapt(loaded, gaze, duration);
+        }
+        let mut check = self.check.take().unwrap_or_else(|| self.viewer.check(&loaded.places));
+        let look = self.viewer.look(planes, &loaded.survey, gaze, duration, recycled);
+        self.viewer.compare(&mut check, planes, loaded.kept.as_deref(), &look, gaze, duration);
+        self.check = Some(check);
+        self.meet(&look, step, size[0] * size[1]);
+        let readings: Vec<Reading> =
+            self.probes.iter().map(|probe| probe.read(&self.viewer, planes, &look, gaze)).collect();
+        if let Some(display) = &self.display {
+            let map = display.follow(self.map.as_deref(), &loaded.survey, duration);
+            self.map = Some(Arc::new(map));
+        }
+        let finished = Finished {
+            number: step.number,
+            trace: record::trace_row(&self.viewer, planes, &look, gaze, step),
+            probes: record::probe_rows(&readings, step),
+            map: self.map.clone(),
+            state: self.state_file(step, size, last),
+            seen: look.seen,
+        };
+        self.done += 1;
+        self.busy += begun.elapsed();
+        finished
+    }
+
+    fn state_file(&self, step: &Step, size: [usize; 2], last: bool) -> Option<(Option<u32>, Planes, f64)> {
+        let number = match self.state {
+            StateKey::Every => Some(step.number),
+            StateKey::Last if last => None,
+            _ => return None,
+        };
+        let view = self.viewer.retina.first_view(size[0], size[1]);
+        let samples = Samples::Float(view.iter().map(|&p| p as f32).collect());
+        Some((number, Planes { width: size[0], height: size[1], count: 3, samples }, step.end()))
+    }
+
+    fn meet(&mut self, look: &Look, step: &Step, places: usize) {
+        self.counters.meet(step.end(), &look.census, places);
+        if self.counters.method_past_limit.is_none() {
+            self.counters.method_past_limit = self.past_limit(look, step);
+        }
+    }
+
+    /// What to say if the step's method is past the step length it is stable to.
+    fn past_limit(&self, look: &Look, step: &Step) -> Option<String> {
+        let Model::Tracked { method, substeps, .. } = self.viewer.model else { return None };
+        let h = step.duration / f64::from(substeps.max(1));
+        let x = (0..3)
+            .map(|k| h * self.viewer.pigments[k].contraction(crate::units::Trolands(look.census.greatest[k]))[1])
+            .fold(0.0, f64::max);
+        (x > method.stable_to).then(|| {
+            format!(
+                "frame {}: h lambda reaches {x:.3}, past the {:.3} to which method {:?} is stable: its pigment is not to be trusted",
+                step.number, method.stable_to, method.name
+            )
+        })
+    }
+}
+
+/// The retina of a state file, which must be of the frames' size.
+pub(crate) fn retina_of_file(config: &Config, file: &str, width: usize, height: usize) -> Result<Retina> {
+    let path = config.path(file);
+    let planes = frames::read_state(&path, config.settings.input.max_pixels)?;
+    if (planes.width, planes.height) != (width, height) {
+        let problem =
+            format!("is a state of {} x {} places; the frames have {width} x {height}", planes.width, planes.height);
+        return Err(Error::file(&path, problem));
+    }
+    let p = Array3::from_shape_fn((height, 3, width), |(y, k, x)| planes.at(x, y, k));
+    if p.iter().any(|v| !(0.0..=1.0).contains(v)) {
+        return Err(Error::file(&path, "holds unbleached fractions outside 0 to 1"));
+    }
+    Ok(Retina::from_fractions(p, [1.0; 3]))
+}
