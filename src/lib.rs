@@ -38,6 +38,8 @@
 //! | [`config`] | TOML -> everything above | a key: a field in `config/settings.rs`, a range in `check.rs` |
 //! | [`plan`], [`check`] | what may be left out and at what cost; a few hundred places at full model beside the run | |
 //! | [`run`] | the loop: reader, eye, writer; checkpoints, report | |
+//! | [`sweep`] | cases and durations, their table and contact sheet | |
+//! | [`validate`] | what the program computes beside what it should | a check: a row in the file of its topic |
 //! | [`chart`] | the charts that the program makes of itself | a file and a row of [`chart::CHARTS`] |
 //!
 //! # Invariants

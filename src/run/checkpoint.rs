@@ -1,7 +1,7 @@
 //! A checkpoint: one file that holds everything the next frame depends on, bit for bit.
 //!
-//! A line of JSON, then the numbers it counts as little-endian f64: the retina, the tone map, the pupil, the plan. It appears
-//! whole or not at all, and is removed when the run is complete.
+//! A line of JSON, then the numbers it counts as little-endian f64. It appears whole or not at all, and is removed
+//! when the run is complete.
 
 use std::path::{Path, PathBuf};
 
@@ -17,8 +17,16 @@ use crate::run::report::Counters;
 pub const NAME: &str = "checkpoint.sungaze";
 
 /// Everything the next frame depends on.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint {
+    pub head: Head,
+    /// Of the retina, of what lies beyond it, of the tone map, the pupil and the plan.
+    pub numbers: [Vec<f64>; 5],
+}
+
+/// The part of a checkpoint that is JSON.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Head {
     /// The resolved configuration; a resumed run must have the same.
     pub config: Value,
     /// Steps that are complete.
@@ -28,86 +36,28 @@ pub struct Checkpoint {
     pub first_gaze: Option<[f64; 2]>,
     pub retina_size: [usize; 2],
     pub retina_origin: [i64; 2],
-    pub beyond: [u64; 3],
     pub counters: Counters,
     pub check: Option<Check>,
-    /// Byte lengths of `trace.csv` and `probes.csv`.
+    /// Byte lengths of `trace.csv` and `probes.csv`; known when the checkpoint is written.
     pub lengths: [u64; 2],
-    /// How many numbers of each follow.
-    counts: [usize; 4],
-    #[serde(skip)]
-    pub retina: Vec<f64>,
-    #[serde(skip)]
-    pub map: Vec<f64>,
-    #[serde(skip)]
-    pub pupil: Vec<f64>,
-    #[serde(skip)]
-    pub plan: Vec<f64>,
-}
-
-/// The parts of a checkpoint that are JSON.
-pub struct Header {
-    pub config: Value,
-    pub done: usize,
-    pub last_frame: u32,
-    pub first_gaze: Option<[f64; 2]>,
-    pub retina_size: [usize; 2],
-    pub retina_origin: [i64; 2],
-    pub beyond: [f64; 3],
-    pub counters: Counters,
-    pub check: Option<Check>,
+    /// How many numbers of each kind follow; known when the checkpoint is written.
+    pub counts: [usize; 5],
 }
 
 impl Checkpoint {
-    /// A checkpoint of these parts; lengths are known when it is written.
-    pub fn new(header: Header, retina: Vec<f64>, map: Vec<f64>, pupil: Vec<f64>, plan: Vec<f64>) -> Self {
-        Checkpoint {
-            config: header.config,
-            done: header.done,
-            last_frame: header.last_frame,
-            first_gaze: header.first_gaze,
-            retina_size: header.retina_size,
-            retina_origin: header.retina_origin,
-            beyond: header.beyond.map(f64::to_bits),
-            counters: header.counters,
-            check: header.check,
-            lengths: [0; 2],
-            counts: [retina.len(), map.len(), pupil.len(), plan.len()],
-            retina,
-            map,
-            pupil,
-            plan,
-        }
-    }
-
     /// Writes the checkpoint of a run whose tables have these lengths.
     pub fn write(&self, folder: &Path, lengths: [u64; 2]) -> Result<()> {
         let path = folder.join(NAME);
-        let whole = Checkpoint { lengths, ..self.clone_header() };
-        let head = serde_json::to_string(&whole).map_err(|e| Error::file(&path, e.to_string()))?;
+        let head = Head { lengths, counts: self.numbers.each_ref().map(Vec::len), ..self.head.clone() };
+        let head = serde_json::to_string(&head).map_err(|e| Error::file(&path, e.to_string()))?;
         write_whole(&path, |out| {
             writeln!(out, "{head}")?;
-            for numbers in [&self.retina, &self.map, &self.pupil, &self.plan] {
-                for chunk in numbers.chunks(4096) {
-                    let bytes: Vec<u8> = chunk.iter().flat_map(|v| v.to_le_bytes()).collect();
-                    out.write_all(&bytes)?;
-                }
+            for chunk in self.numbers.iter().flat_map(|numbers| numbers.chunks(4096)) {
+                let bytes: Vec<u8> = chunk.iter().flat_map(|v| v.to_le_bytes()).collect();
+                out.write_all(&bytes)?;
             }
             Ok(())
         })
-    }
-
-    fn clone_header(&self) -> Checkpoint {
-        Checkpoint {
-            config: self.config.clone(),
-            counters: self.counters.clone(),
-            check: self.check.clone(),
-            retina: vec![],
-            map: vec![],
-            pupil: vec![],
-            plan: vec![],
-            ..*self
-        }
     }
 
     /// Reads the checkpoint of a folder; `None` if there is none.
@@ -137,18 +87,15 @@ fn damaged(path: &PathBuf) -> Error {
 
 fn parse(bytes: &[u8]) -> Option<Checkpoint> {
     let end = bytes.iter().position(|&b| b == b'\n')?;
-    let mut checkpoint: Checkpoint = serde_json::from_slice(&bytes[..end]).ok()?;
-    let mut numbers =
-        bytes[end + 1..].chunks_exact(8).map(|b| f64::from_le_bytes([b[0], b[1], b[2], b[3], b[4], b[5], b[6], b[7]]));
-    let [retina, map, pupil, plan] = checkpoint.counts;
-    if bytes.len() - end - 1 != 8 * retina.checked_add(map)?.checked_add(pupil)?.checked_add(plan)? {
+    let head: Head = serde_json::from_slice(&bytes[..end]).ok()?;
+    let (numbers, rest) = bytes[end + 1..].as_chunks::<8>();
+    let told = head.counts.iter().try_fold(0usize, |sum, &count| sum.checked_add(count))?;
+    if told != numbers.len() || !rest.is_empty() {
         return None;
     }
-    checkpoint.retina = numbers.by_ref().take(retina).collect();
-    checkpoint.map = numbers.by_ref().take(map).collect();
-    checkpoint.pupil = numbers.by_ref().take(pupil).collect();
-    checkpoint.plan = numbers.collect();
-    Some(checkpoint)
+    let mut numbers = numbers.iter().map(|&b| f64::from_le_bytes(b));
+    let numbers = head.counts.map(|count| numbers.by_ref().take(count).collect());
+    Some(Checkpoint { head, numbers })
 }
 
 /// The first key in which two configurations differ, dotted.
@@ -169,33 +116,35 @@ mod tests {
     #[test]
     fn a_checkpoint_comes_back_bit_for_bit() {
         let folder = tempfile::tempdir().unwrap();
-        let header = Header {
+        let head = Head {
             config: serde_json::json!({ "a": { "b": 1 } }),
             done: 7,
             last_frame: 12,
             first_gaze: Some([0.1, f64::MIN_POSITIVE]),
             retina_size: [1, 1],
             retina_origin: [-3, 4],
-            beyond: [0.1 + 0.2, 1.0, 1e-300],
             counters: Counters::default(),
             check: None,
+            lengths: [0; 2],
+            counts: [0; 5],
         };
-        let written = Checkpoint::new(
-            header,
-            vec![0.1, 1e-308, 1.0],
-            vec![f64::NAN.abs(), -0.0],
-            vec![f64::NEG_INFINITY],
-            vec![f64::INFINITY, 1e-4],
-        );
+        let numbers =
+            [vec![0.1, 1e-308, 1.0], vec![0.1 + 0.2], vec![f64::NAN, -0.0], vec![], vec![f64::INFINITY, 1e-4]];
+        let written = Checkpoint { head, numbers };
         written.write(folder.path(), [10, 20]).unwrap();
         let read = Checkpoint::read(folder.path()).unwrap().unwrap();
-        assert_eq!(read.lengths, [10, 20]);
-        assert_eq!((read.done, read.beyond, read.first_gaze), (7, written.beyond, written.first_gaze));
-        let bits = |v: &[f64]| v.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
-        assert_eq!(
-            (bits(&read.retina), bits(&read.map), bits(&read.pupil), bits(&read.plan)),
-            (bits(&written.retina), bits(&written.map), bits(&written.pupil), bits(&written.plan))
-        );
+        assert_eq!(read.head, Head { lengths: [10, 20], counts: [3, 1, 2, 0, 2], ..written.head });
+        let bits = |c: [Vec<f64>; 5]| c.map(|numbers| numbers.into_iter().map(f64::to_bits).collect::<Vec<_>>());
+        assert_eq!(bits(read.numbers), bits(written.numbers));
+    }
+
+    #[test]
+    fn a_damaged_checkpoint_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        for damage in ["", "{}", "{}\n12345678", "no JSON\n"] {
+            std::fs::write(folder.path().join(NAME), damage).unwrap();
+            assert!(Checkpoint::read(folder.path()).is_err(), "{damage:?}");
+        }
     }
 
     #[test]

@@ -15,7 +15,7 @@ use crate::frames;
 use crate::light::{Planes, Samples};
 use crate::plan::Plan;
 use crate::retina::{Model, Retina};
-use crate::run::checkpoint::{self, Checkpoint};
+use crate::run::checkpoint::{self, Checkpoint, Head};
 use crate::run::gaze::Gaze;
 use crate::run::reader::Loaded;
 use crate::run::record::{self, Probe, Reading};
@@ -68,34 +68,39 @@ impl Eye {
         })
     }
 
+    /// Takes up what [`Eye::checkpoint`] gave.
     pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<()> {
-        let c = checkpoint.clone();
-        let retina = Retina::restored(c.retina, c.retina_size, c.retina_origin, c.beyond.map(f64::from_bits));
-        self.viewer.retina = retina.ok_or_else(|| Error::file(checkpoint::NAME, "holds a retina of another size"))?;
-        self.viewer.first_gaze = c.first_gaze;
-        self.viewer.pupil.restore(&c.pupil);
-        self.viewer.plan.restore(&c.plan);
-        self.map = self.display.as_ref().and_then(|display| display.restore(c.map)).map(Arc::new);
-        (self.counters, self.done, self.check) = (c.counters, c.done, c.check);
+        let Checkpoint { head, numbers: [retina, beyond, map, pupil, plan] } = checkpoint.clone();
+        let damaged = || Error::file(checkpoint::NAME, "holds a retina of another size");
+        let beyond = beyond.try_into().map_err(|_| damaged())?;
+        self.viewer.retina =
+            Retina::restored(retina, head.retina_size, head.retina_origin, beyond).ok_or_else(damaged)?;
+        self.viewer.first_gaze = head.first_gaze;
+        self.viewer.pupil.restore(&pupil);
+        self.viewer.plan.restore(&plan);
+        self.map = self.display.as_ref().and_then(|display| display.restore(map)).map(Arc::new);
+        (self.counters, self.done, self.check) = (head.counters, head.done, head.check);
         Ok(())
     }
 
+    /// Everything that the next frame depends on.
     pub fn checkpoint(&self, steps: &[Step]) -> Checkpoint {
-        let retina = &self.viewer.retina;
-        let header = checkpoint::Header {
+        let Viewer { retina, pupil, plan, first_gaze, .. } = &self.viewer;
+        let head = Head {
             config: self.config.clone(),
             done: self.done,
             last_frame: steps[self.done - 1].number,
-            first_gaze: self.viewer.first_gaze,
+            first_gaze: *first_gaze,
             retina_size: retina.size(),
             retina_origin: retina.origin(),
-            beyond: retina.beyond(),
             counters: self.counters.clone(),
             check: self.check.clone(),
+            lengths: [0; 2],
+            counts: [0; 5],
         };
         let map = self.map.as_ref().map_or(Vec::new(), |map| map.levels().to_vec());
-        let plan = self.viewer.plan.to_numbers();
-        Checkpoint::new(header, retina.fractions().to_vec(), map, self.viewer.pupil.to_numbers(), plan)
+        let (retina, beyond) = (retina.fractions().to_vec(), retina.beyond().to_vec());
+        Checkpoint { head, numbers: [retina, beyond, map, pupil.to_numbers(), plan.to_numbers()] }
     }
 
     /// The places of the sampled check: `None`: to be chosen on the first frame; none where a model was asked for

@@ -47,8 +47,10 @@ pub fn not_empty(folder: &Path) -> Error {
 
 fn resume(folder: &Path, config: &Value) -> Result<Prepared> {
     if let Some(checkpoint) = Checkpoint::read(folder)? {
-        same(folder, &checkpoint.config, config)?;
-        remove(folder, |name| is_temporary(name) || frame_number(name).is_some_and(|n| n > checkpoint.last_frame))?;
+        same(folder, &checkpoint.head.config, config)?;
+        remove(folder, |name| {
+            is_temporary(name) || frame_number(name).is_some_and(|n| n > checkpoint.head.last_frame)
+        })?;
         return Ok(Prepared::Resume(Box::new(checkpoint)));
     }
     let path = folder.join("report.json");

@@ -106,7 +106,7 @@ fn stages(
     watch: &dyn Watch,
 ) -> Result<Spent> {
     let writer = writer(config, scene, &eye.config, folder)?;
-    let tables = Tables::open(folder, resume.map(|c| c.lengths))?;
+    let tables = Tables::open(folder, resume.map(|c| c.head.lengths))?;
     let steps = &scene.steps[eye.done..];
     let progress = (eye.done, scene.steps.len());
     let (to_eye, from_reader) = sync_channel(QUEUE);
