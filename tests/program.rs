@@ -171,7 +171,7 @@ const WRONG: &[(&str, i32, &[&str])] = &[
     ("[[output.probe]]\nname = \"a,b\"\nat = [0.5, 0.5]\n", 2, &["output.probe.name"]),
     ("[[output.probe]]\nname = \"a\"\nat = [0.5, 1.5]\n", 2, &["output.probe.at", "1.5"]),
     ("[gaze]\nat = \"darkest\"\n", 2, &["c.toml:2", "gaze.at", "brightest"]),
-    ("[gaze]\npath = \"nowhere.csv\"\n", 1, &["nowhere.csv"]),
+    ("[gaze]\npath = \"nowhere.csv\"\n", 2, &["c.toml:2", "gaze.path", "nowhere.csv"]),
     ("this is not TOML\n", 2, &["c.toml:1"]),
 ];
 

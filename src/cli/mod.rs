@@ -125,6 +125,10 @@ impl Common {
 
     /// Makes the folder, or refuses one that holds something without leave to replace it.
     fn ready(&self, folder: &Path) -> Result<()> {
+        if folder.exists() && !folder.is_dir() {
+            let problem = "is a file; accepted: a folder, or a new name";
+            return Err(Error::config("--out", folder.display().to_string(), problem));
+        }
         std::fs::create_dir_all(folder).map_err(Error::io(folder, "create"))?;
         let empty = std::fs::read_dir(folder).map_err(Error::io(folder, "read"))?.next().is_none();
         if empty || self.overwrite || self.resume {
@@ -171,8 +175,14 @@ fn dispatch(command: Command) -> Result<ExitCode> {
     }
 }
 
-/// Prints a line of results. A reader that has gone away is not an error.
+/// Prints a line of results. A reader that has gone away is not an error; a full disk is.
 pub fn say(text: &str) {
-    use std::io::Write;
-    let _ = writeln!(std::io::stdout().lock(), "{text}");
+    use std::io::{ErrorKind, Write};
+    match writeln!(std::io::stdout().lock(), "{text}") {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            eprintln!("sungaze: stdout: cannot write: {error}");
+            std::process::exit(1);
+        }
+        _ => {}
+    }
 }

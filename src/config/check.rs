@@ -1,7 +1,7 @@
 //! Values that have the right type and are wrong all the same.
 
 use super::Wrong;
-use super::settings::{Aim, DisplayFile, PupilKey, Settings, Steep};
+use super::settings::{Aim, Channels, DisplayFile, PupilKey, Settings, Steep};
 
 type Check = Result<(), Wrong>;
 
@@ -34,12 +34,12 @@ pub(super) fn check(s: &Settings) -> Check {
             "is made of the display pictures: it needs output.display = \"png\"".into(),
         ));
     }
-    if s.output.video.contains('/') || s.output.video.starts_with('-') || s.output.video.is_empty() {
-        return wrong(
-            "output.video",
-            &s.output.video,
-            "none, or the name of a file in the run's folder, such as film.mp4",
-        );
+    let film = std::path::Path::new(&s.output.video);
+    let known = film.extension().is_some_and(|e| ["mp4", "mkv", "mov"].iter().any(|known| e == *known));
+    if s.output.video != "none"
+        && (!known || film.file_name() != Some(film.as_os_str()) || s.output.video.starts_with('-'))
+    {
+        return wrong("output.video", &s.output.video, "none, or a file name that ends in .mp4, .mkv or .mov");
     }
     probes(s)
 }
@@ -76,8 +76,21 @@ fn input(s: &Settings) -> Check {
     optional("input.sun_elevation_deg", input.sun_elevation_deg, 0.0, 90.0)?;
     optional("input.turbidity", input.turbidity, 1.0, 20.0)?;
     optional("input.white_cd_m2", input.white_cd_m2, 1e-9, 1e12)?;
+    channels(s)?;
     within("input.scale", input.scale, 1e-30, 1e30)?;
     within("input.max_pixels", input.max_pixels as f64, 1.0, 1e12)
+}
+
+fn channels(s: &Settings) -> Check {
+    let Some(Channels::Listed(list)) = &s.input.channels else { return Ok(()) };
+    if list.is_empty() {
+        return wrong("input.channels", "an empty list", "one { name, centre_nm, width_nm } a band");
+    }
+    for channel in list {
+        within("input.channels.centre_nm", channel.centre_nm, 1.0, 1e5)?;
+        within("input.channels.width_nm", channel.width_nm, 1e-3, 1e4)?;
+    }
+    Ok(())
 }
 
 fn time(s: &Settings) -> Check {
@@ -154,8 +167,14 @@ fn within(key: &str, value: f64, low: f64, high: f64) -> Check {
     if (low..=high).contains(&value) {
         return Ok(());
     }
-    let low = if low == f64::MIN_POSITIVE { "more than 0".into() } else { format!("{low}") };
-    wrong(key, value, &format!("{low} to {high}"))
+    let low = if low == f64::MIN_POSITIVE { "more than 0".into() } else { short(low) };
+    wrong(key, short(value), &format!("{low} to {}", short(high)))
+}
+
+/// A number as a person would write it.
+fn short(value: f64) -> String {
+    let plain = value == 0.0 || (1e-3..1e6).contains(&value.abs()) || !value.is_finite();
+    if plain { format!("{value}") } else { format!("{value:e}") }
 }
 
 fn optional(key: &str, value: Option<f64>, low: f64, high: f64) -> Check {

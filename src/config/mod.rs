@@ -29,6 +29,8 @@ pub struct Config {
     pub name: String,
     base: PathBuf,
     source: Source,
+    /// Keys that were given by `--set`.
+    set_keys: Vec<String>,
     keys: Table,
 }
 
@@ -50,13 +52,15 @@ impl Config {
         let source = Source::new(place, text);
         toml::from_str::<Settings>(text).map_err(|error| source.explain(&error))?;
         let mut keys: Table = toml::from_str(text).map_err(|error| source.explain(&error))?;
+        let mut set_keys = Vec::new();
         let mut settings = effective(&keys).map_err(|(key, problem)| source.error(&key, &key, &problem))?;
         for set in sets {
             let (key, value) = parse_set(set)?;
             insert(&mut keys, &key, value).map_err(|problem| Error::config("--set", &key, problem))?;
             settings = effective(&keys).map_err(|(_, problem)| Error::config("--set", &key, problem))?;
+            set_keys.push(key);
         }
-        let config = Config { settings, name: name.to_owned(), base: base.to_owned(), source, keys };
+        let config = Config { settings, name: name.to_owned(), base: base.to_owned(), source, set_keys, keys };
         check::check(&config.settings).map_err(|(key, problem)| config.wrong(&key, problem))?;
         Ok(config)
     }
@@ -72,8 +76,13 @@ impl Config {
         Ok(config)
     }
 
-    /// An error about one of the keys, at its line if the file has it.
+    /// An error about one of the keys: at its line if the file has it, or at the setting that gave it.
     pub fn wrong(&self, key: &str, problem: impl Into<String>) -> Error {
+        let given =
+            |set: &String| key == set || key.starts_with(&format!("{set}.")) || set.starts_with(&format!("{key}."));
+        if self.set_keys.iter().any(given) {
+            return Error::config("--set", key, problem);
+        }
         self.source.error(key, key, &problem.into())
     }
 
@@ -105,8 +114,8 @@ fn effective(keys: &Table) -> std::result::Result<Settings, Wrong> {
         merge(&mut all, &constants_table(&name)?);
     }
     merge(&mut all, keys);
-    let key_of = |error: &toml::de::Error| error.message().to_owned();
-    all.try_into().map_err(|error| ("settings".into(), key_of(&error)))
+    let settings = all.try_into::<Settings>();
+    settings.map(Settings::completed).map_err(|error| ("settings".into(), source::plain(error.message())))
 }
 
 /// Preset `paper`: the observer of Gutierrez et al. 2005. With `numerics.model = "steady"` it is their model.

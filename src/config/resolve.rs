@@ -27,7 +27,7 @@ impl Config {
             NarrowingKey::Depleted => Narrowing::Depleted,
             NarrowingKey::Narrowed => Narrowing::Narrowed,
         };
-        let density = o.optical_density.unwrap_or_else(|| set.optical_density(field));
+        let density = self.density();
         let mut observer = Observer::new(set, field, density, narrowing, self.directional());
         observer.pupil = self.pupil();
         observer.dynamics = Dynamics {
@@ -37,6 +37,10 @@ impl Config {
         };
         observer.fovea = Degrees(self.settings.gaze.fovea_deg);
         observer
+    }
+
+    fn density(&self) -> [f64; 3] {
+        self.settings.observer.optical_density.unwrap_or([0.38, 0.38, 0.30])
     }
 
     fn directional(&self) -> Directional {
@@ -72,20 +76,12 @@ impl Config {
         [0, 1, 2].map(|k| Kinetics {
             law: match o.kinetics {
                 LawKey::FirstOrder => Law::FirstOrder,
-                LawKey::SelfScreened => Law::self_screened(self.optical_density()[k]),
+                LawKey::SelfScreened => Law::self_screened(self.density()[k]),
                 LawKey::RateLimited => Law::RateLimited { km: o.km },
             },
             half_bleach: Trolands(10f64.powf(o.half_bleach_log_td[k])),
             tau: Seconds(o.tau_s[k]),
         })
-    }
-
-    /// Peak optical densities in force.
-    pub fn optical_density(&self) -> [f64; 3] {
-        let o = &self.settings.observer;
-        let field = if o.field_deg == 2 { Field::TwoDegrees } else { Field::TenDegrees };
-        let set = if o.fundamentals == SetKey::Smj1993 { Set::Smj1993 } else { Set::Cie2006 };
-        o.optical_density.unwrap_or_else(|| set.optical_density(field))
     }
 
     /// The row of the method table that `numerics.method` names.

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::eye::{Field, Set};
+
 pub use super::words::*;
 
 pub use super::sweep::{Durations, Spaced, SweepKeys, Vary};
@@ -20,6 +22,25 @@ pub struct Settings {
     /// `[sweep]`, for `sungaze sweep` alone.
     #[serde(skip_serializing)]
     pub sweep: Option<SweepKeys>,
+}
+
+impl Settings {
+    /// With what silence means written out: the built-in scene, the peak densities of the fundamentals.
+    pub(super) fn completed(mut self) -> Self {
+        let input = &mut self.input;
+        if input.frames.is_none() {
+            input.scene.get_or_insert_default();
+            input.width.get_or_insert(480);
+            input.sun_elevation_deg.get_or_insert(0.5);
+            input.turbidity.get_or_insert(2.5);
+            input.horizon.get_or_insert_default();
+        }
+        let observer = &mut self.observer;
+        let set = if observer.fundamentals == SetKey::Smj1993 { Set::Smj1993 } else { Set::Cie2006 };
+        let field = if observer.field_deg == 2 { Field::TwoDegrees } else { Field::TenDegrees };
+        observer.optical_density.get_or_insert(set.optical_density(field));
+        self
+    }
 }
 
 /// `[input]`.

@@ -30,7 +30,7 @@ impl Source {
 
     /// A parser's or a type's error, with its line and key.
     pub(super) fn explain(&self, error: &toml::de::Error) -> Error {
-        let problem = error.message().replace('\n', "; ");
+        let problem = plain(error.message());
         let Some(span) = error.span() else { return Error::config(&self.place, "TOML", problem) };
         let key = DeTable::parse(&self.text).ok().and_then(|table| key_at(table.get_ref(), span.start));
         let place = format!("{}:{}", self.place, self.line(span.start));
@@ -40,6 +40,24 @@ impl Source {
     fn line(&self, offset: usize) -> usize {
         self.text.bytes().take(offset).filter(|&b| b == b'\n').count() + 1
     }
+}
+
+/// A type's complaint without the words of programmers.
+pub(super) fn plain(message: &str) -> String {
+    let words = [
+        ("\n", "; "),
+        ("floating point", "number"),
+        ("sequence", "list"),
+        ("u64", "a whole number"),
+        ("u32", "a whole number"),
+        ("u8", "a whole number"),
+        ("f64", "a number"),
+        ("struct ", "the table "),
+        ("ObserverKeys", "[observer]"),
+        ("DisplayKeys", "[display]"),
+        ("wanted string or table", "accepted: a word in quotes"),
+    ];
+    words.iter().fold(message.to_owned(), |text, (from, to)| text.replace(from, to))
 }
 
 /// Byte offset of a dotted path: keys, and numbers of the items of a list. Without a number, the first that fits.

@@ -46,7 +46,9 @@ impl Eye {
         let header = scene.footage.header();
         let retina = match config.settings.observer.start.as_str() {
             "rested" | "adapted" => Retina::rested(header.width, header.height),
-            file => retina_of_file(config, file, header.width, header.height)?,
+            file => retina_of_file(config, file, header.width, header.height).map_err(|e| {
+                config.wrong("observer.start", format!("{e}; accepted: rested, adapted, or a state file"))
+            })?,
         };
         let pixels_per_degree = scene.pixels_per_degree;
         let mut viewer =

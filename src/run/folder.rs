@@ -27,10 +27,50 @@ pub enum Prepared {
     Complete(Value),
 }
 
-/// Makes the folder ready for a run of a configuration.
+/// Name of the file that a run holds locked while it writes into its folder.
+const LOCK: &str = ".sungaze-lock.tmp";
+
+/// A folder that no other run writes into; given up when dropped.
+pub struct Claim {
+    path: PathBuf,
+    _file: std::fs::File,
+}
+
+impl Claim {
+    /// Makes the folder and claims it. Refused while another run holds it; a killed run holds nothing.
+    pub fn new(folder: &Path) -> Result<Claim> {
+        if folder.exists() && !folder.is_dir() {
+            return Err(Error::config(
+                "--out",
+                folder.display().to_string(),
+                "is a file; accepted: a folder, or a new name",
+            ));
+        }
+        std::fs::create_dir_all(folder).map_err(Error::io(folder, "create"))?;
+        let path = folder.join(LOCK);
+        let file = std::fs::File::create(&path).map_err(Error::io(folder, "write into"))?;
+        match file.try_lock() {
+            Err(std::fs::TryLockError::WouldBlock) => {
+                let problem = "another run is writing into it; wait for that, or give another folder";
+                Err(Error::config("--out", folder.display().to_string(), problem))
+            }
+            // A file system without locks leaves everybody to themselves.
+            _ => Ok(Claim { path, _file: file }),
+        }
+    }
+}
+
+impl Drop for Claim {
+    fn drop(&mut self) {
+        // What cannot be removed is swept up by the next run.
+        let _ = std::fs::remove_file(&self.path);
+    }
+}
+
+/// Makes a claimed folder ready for a run of a configuration.
 pub fn prepare(folder: &Path, existing: Existing, config: &Value) -> Result<Prepared> {
-    std::fs::create_dir_all(folder).map_err(Error::io(folder, "create"))?;
-    let empty = std::fs::read_dir(folder).map_err(Error::io(folder, "read"))?.next().is_none();
+    let entries = std::fs::read_dir(folder).map_err(Error::io(folder, "read"))?;
+    let empty = entries.flatten().all(|entry| entry.file_name() == LOCK);
     match existing {
         _ if empty => Ok(Prepared::Fresh),
         Existing::Refuse => Err(not_empty(folder)),
@@ -101,7 +141,7 @@ fn is_ours(name: &str) -> bool {
 
 /// A file that a killed run was still writing.
 fn is_temporary(name: &str) -> bool {
-    name.starts_with(".sungaze-") && name.ends_with(".tmp")
+    name.starts_with(".sungaze-") && name.ends_with(".tmp") && name != LOCK
 }
 
 /// The number in `seen.0001.exr` and its like.

@@ -22,7 +22,7 @@ impl Gaze {
     pub fn of(config: &Config) -> Result<Gaze> {
         let keys = &config.settings.gaze;
         if let Some(path) = &keys.path {
-            return Gaze::from_file(&config.path(path));
+            return Gaze::from_file(&config.path(path)).map_err(|e| config.wrong("gaze.path", e.to_string()));
         }
         Ok(match keys.at {
             Aim::At(at) => Gaze::At(at),
@@ -33,7 +33,7 @@ impl Gaze {
 
     fn from_file(path: &Path) -> Result<Gaze> {
         let text = std::fs::read_to_string(path).map_err(Error::io(path, "read"))?;
-        Gaze::from_rows(&text).map_err(|problem| Error::file(path, problem))
+        Gaze::from_rows(text.trim_start_matches('\u{feff}')).map_err(|problem| Error::file(path, problem))
     }
 
     /// A path from rows of `time_s,x,y` under that header; the problem names the line.

@@ -68,6 +68,7 @@ pub fn run(config: &Config, folder: &Path, existing: Existing, watch: &dyn Watch
     config.compression()?;
     let scene = Scene::open(config)?;
     let mut eye = Eye::new(config, &scene, resolved.clone())?;
+    let _mine = folder::Claim::new(folder)?;
     let resume = match folder::prepare(folder, existing, &resolved)? {
         Prepared::Complete(report) => return Ok(Outcome { went_on: false, already: true, report }),
         Prepared::Resume(checkpoint) => Some(*checkpoint),
@@ -210,7 +211,6 @@ fn finish(
     watch: &dyn Watch,
 ) -> Result<Outcome> {
     plot::write(&folder.join("probes.svg"), &record::read_back(&folder.join("probes.csv"))?)?;
-    film(config, scene, folder, watch)?;
     let mut warnings = scene.footage.header().notes.clone();
     for warning in eye.counters.warnings() {
         watch.warn(&warning);
@@ -251,6 +251,7 @@ fn finish(
     });
     frames::atomic::write_text(&folder.join("report.json"), &format!("{report:#}\n"))?;
     Checkpoint::remove(folder)?;
+    film(config, scene, folder, watch)?;
     Ok(Outcome { report, went_on: eye.counters.went_on() || failed.is_some(), already: false })
 }
 

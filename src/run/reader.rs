@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use crate::check;
 use crate::display::Survey;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::frames::Footage;
 use crate::light::{Frame, Kept, Planes};
 use crate::percept::Vision;
@@ -48,6 +48,10 @@ impl Sequence<'_> {
         };
         let frame = self.footage.read(file, keeping.as_ref(), recycled)?;
         let survey = viewer::survey(self.vision, &frame.planes, self.pixels_per_degree);
+        if !(survey.mean.is_finite() && survey.greatest.is_finite()) {
+            let problem = "is brighter than 3.4e38 cd/m2 somewhere: check input.white_cd_m2 or input.scale";
+            return Err(Error::file(format!("frame file {}", file + 1), problem));
+        }
         Ok(Loaded { frame, survey, places, kept })
     }
 }

@@ -110,7 +110,6 @@ pub fn constants(config: &Config) -> Value {
     let o = &config.settings.observer;
     let set = constants::named(&o.constants);
     let as_published = set.is_some_and(|s| s.half_bleach_log_td == o.half_bleach_log_td && s.tau_s == o.tau_s);
-    let optical_density = config.optical_density();
     json!({
         "set": o.constants,
         "source": if as_published { set.map_or("", |s| s.source) } else { "given in the configuration" },
@@ -119,7 +118,7 @@ pub fn constants(config: &Config) -> Value {
         "tau_s": o.tau_s,
         "kinetics": o.kinetics,
         "km": o.km,
-        "optical_density": optical_density,
+        "optical_density": o.optical_density,
         "fundamentals": match o.fundamentals {
             crate::config::settings::SetKey::Cie2006 => "CIE 170-1:2006, Stockman & Sharpe 2000",
             crate::config::settings::SetKey::Smj1993 => "Stockman, MacLeod & Johnson 1993",
