@@ -223,7 +223,7 @@ mod tests {
             (vary("\"observer.agee\"", "[3]"), ":7", "observer.agee"),
             (vary("\"observer.km\"", "[]"), ":8", "empty list"),
             (vary("\"observer.km\"", "[0.2,\n\"much\"]"), ":9", "observer.km"),
-            (vary("\"observer.km\"", "[0.2,\n0.3, 1e9]"), ":9", "1000000000"),
+            (vary("\"observer.km\"", "[0.2,\n0.3, 1e9]"), ":9", "found 1e9"),
             (vary("\"observer.km\"", "0.2"), ":8", "sweep"),
             (vary("\"observer.age\"", "[3]"), ":7", "twice"),
             (vary("\"sweep.pictures\"", "[true]"), ":7", "one [sweep]"),
