@@ -14,9 +14,9 @@ pub enum Error {
     /// The system refused to read or write.
     #[error("{}: cannot {doing}: {source}", path.display())]
     Io { path: PathBuf, doing: &'static str, source: std::io::Error },
-    /// The run was interrupted; it can be resumed from `checkpoint`.
-    #[error("interrupted; continue with --resume (checkpoint {})", checkpoint.display())]
-    Interrupted { checkpoint: PathBuf },
+    /// The work was interrupted. `resumable`: it can be gone on with.
+    #[error("interrupted{}", if *resumable { "; continue with --resume" } else { "" })]
+    Interrupted { resumable: bool },
 }
 
 /// The library's result.

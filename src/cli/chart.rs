@@ -12,6 +12,9 @@ use super::{Common, say, table};
 /// Makes the named charts, or all, and prints what was written.
 pub fn command(names: &[String], common: &Common) -> Result<ExitCode> {
     let charts = chosen(names)?;
+    if let Some(set) = common.set.first() {
+        return Err(Error::config("--set", set, "has no meaning for charts: they show the standard constants"));
+    }
     common.pool()?;
     let folder = common.folder("chart");
     common.ready(&folder)?;

@@ -74,7 +74,7 @@ fn input(s: &Settings) -> Check {
     }
     optional("input.width", input.width.map(f64::from), 16.0, 16384.0)?;
     optional("input.sun_elevation_deg", input.sun_elevation_deg, 0.0, 90.0)?;
-    optional("input.turbidity", input.turbidity, 1.0, 20.0)?;
+    optional("input.turbidity", input.turbidity, 1.0, 10.0)?;
     optional("input.white_cd_m2", input.white_cd_m2, 1e-9, 1e12)?;
     channels(s)?;
     within("input.scale", input.scale, 1e-30, 1e30)?;

@@ -194,7 +194,7 @@ fn look_at_all(config: &Config, scene: &Scene, eye: &mut Eye, links: Links<'_>, 
             }
         }
         if stop {
-            return Err(Error::Interrupted { checkpoint: checkpoint::NAME.into() });
+            return Err(Error::Interrupted { resumable: true });
         }
     }
     Ok(())

@@ -34,7 +34,7 @@ pub fn rehearse(config: &Config, watch: &dyn Watch) -> Result<Value> {
         last = Some((step.file, loaded));
         watch.frames(i + 1, scene.steps.len());
         if watch.interrupted() {
-            return Err(Error::Interrupted { checkpoint: "nothing: a rehearsal writes no file".into() });
+            return Err(Error::Interrupted { resumable: false });
         }
     }
     let header = scene.footage.header();

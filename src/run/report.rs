@@ -86,10 +86,11 @@ impl Counters {
                 .push(format!("{} samples of the percept were limited to the largest half float, 65504", self.limited));
         }
         if let Some(time) = self.s_past_half_from_s {
+            let percent = 100.0 * self.s_past_half_share;
+            let share = if percent < 0.01 { "less than 0.01".into() } else { format!("up to {percent:.2}") };
             warnings.push(format!(
-                "S cones lost more than half of their pigment from {time:.3} s on, over up to {:.2} % of the retina; \
-                 such bleaching can impair them for long",
-                100.0 * self.s_past_half_share
+                "S cones lost more than half of their pigment from {time:.3} s on, over {share} % of the retina; \
+                 such bleaching can impair them for long"
             ));
         }
         warnings.extend(self.method_past_limit.clone());

@@ -181,7 +181,7 @@ impl Cells<'_> {
         let mut bad_frames = scene.held.len() + usize::from(first.mended);
         for span in spans {
             if self.watch.interrupted() {
-                return Err(Error::Interrupted { checkpoint: path });
+                return Err(Error::Interrupted { resumable: true });
             }
             if span.file != file {
                 (file, light) = (span.file, light::lit(scene, span.file, self.side)?);
