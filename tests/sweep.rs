@@ -307,3 +307,19 @@ fn frames_that_had_to_be_mended_are_told_of_by_every_part_of_a_sweep() {
         assert_eq!(output.status.code(), Some(3), "{part:?}: {}", told(&output));
     }
 }
+
+#[test]
+fn a_probe_on_black_has_no_chromaticity_and_its_sweep_finishes() {
+    use sungaze::frames::{About, Compression, write_exr};
+    use sungaze::light::Planes;
+    let folder = tempfile::tempdir().unwrap();
+    let about = About { white: Some(sungaze::units::Nits(100.0)), ..About::default() };
+    let black = Planes::float(16, 9, 3);
+    write_exr(&folder.path().join("a.exr"), &["R", "G", "B"], &black, Compression::Zip, &about).unwrap();
+    let text = "[input]\nframes = \"a.exr\"\nhorizontal_fov_deg = 8\n[sweep]\ndurations_s = [0, 1]\n";
+    std::fs::write(folder.path().join("s.toml"), text).unwrap();
+    succeeds(folder.path(), &["s.toml", "--out", "o"]);
+    succeeds(folder.path(), &["s.toml", "--out", "o", "--merge"]);
+    let table = std::fs::read_to_string(folder.path().join("o/sweep.csv")).unwrap();
+    assert_eq!(table.lines().skip(1).filter(|row| row.ends_with(",0,0,0,NaN,NaN")).count(), 2, "{table}");
+}

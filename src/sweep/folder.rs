@@ -6,7 +6,7 @@
 
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Value, json};
 
 use crate::config::{Config, Sweep};
@@ -43,8 +43,19 @@ pub struct Done {
 /// What a probe of a case would come to under its last light.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Steady {
+    #[serde(deserialize_with = "numbers")]
     pub bleached: [f64; 3],
+    /// NaN where the percept is black.
+    #[serde(deserialize_with = "numbers")]
     pub chromaticity: [f64; 2],
+}
+
+/// Numbers as JSON holds them, which writes those that are not finite as null.
+fn numbers<'de, D: Deserializer<'de>, const N: usize>(from: D) -> std::result::Result<[f64; N], D::Error>
+where
+    [Option<f64>; N]: Deserialize<'de>,
+{
+    Ok(<[Option<f64>; N]>::deserialize(from)?.map(|number| number.unwrap_or(f64::NAN)))
 }
 
 /// All that a finished case left for the sheet, the table and the plot.
