@@ -323,3 +323,22 @@ fn a_probe_on_black_has_no_chromaticity_and_its_sweep_finishes() {
     let table = std::fs::read_to_string(folder.path().join("o/sweep.csv")).unwrap();
     assert_eq!(table.lines().skip(1).filter(|row| row.ends_with(",0,0,0,NaN,NaN")).count(), 2, "{table}");
 }
+
+#[test]
+fn tables_as_json_hold_whole_numbers_lists_and_strings_as_what_they_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = format!(
+        "{SMALL}durations_s = [0.5]\n[[sweep.vary]]\nkey = \"numerics.method\"\nvalues = [\"exact\"]\n\
+         [[sweep.vary]]\nkey = \"gaze.at\"\nvalues = [[0.5, 0.25]]\n"
+    );
+    std::fs::write(folder.path().join("s.toml"), text).unwrap();
+    for arguments in [&["--list"][..], &["--out", "o"]] {
+        let output = sungaze(folder.path(), &[&["s.toml", "--json"], arguments].concat());
+        let rows: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert!(rows[0]["case"].is_u64(), "{rows}");
+        assert_eq!(rows[0]["numerics.method"], "exact");
+        assert_eq!(rows[0]["gaze.at"], serde_json::json!([0.5, 0.25]));
+    }
+    let again = sungaze(folder.path(), &["s.toml", "--out", "p"]);
+    assert_eq!(String::from_utf8_lossy(&again.stdout), "p: 1 case run\n");
+}
