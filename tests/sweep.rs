@@ -325,6 +325,20 @@ fn a_probe_on_black_has_no_chromaticity_and_its_sweep_finishes() {
 }
 
 #[test]
+fn durations_past_a_methods_limit_are_told_of_once_by_every_part_of_a_sweep() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = format!("{SMALL}durations_s = [1, 60, 600]\n[numerics]\nmethod = \"rk4\"\n");
+    std::fs::write(folder.path().join("s.toml"), text).unwrap();
+    for part in [&["--index", "0"][..], &["--merge"], &[]] {
+        let said = told(&sungaze(folder.path(), &[&["s.toml", "--out", "o"], part].concat()));
+        assert_eq!(said.matches("h lambda reaches").count(), 1, "{part:?}: {said}");
+        assert!(said.contains("past the 2.785 to which method \"rk4\" is stable"), "{said}");
+    }
+    let exact = sungaze(folder.path(), &["s.toml", "--out", "e", "--set", "numerics.method=exact"]);
+    assert!(exact.status.success() && !told(&exact).contains("h lambda"), "{}", told(&exact));
+}
+
+#[test]
 fn tables_as_json_hold_whole_numbers_lists_and_strings_as_what_they_are() {
     let folder = tempfile::tempdir().unwrap();
     let text = format!(

@@ -37,6 +37,8 @@ pub struct Done {
     pub bad_frames: usize,
     /// Width and height of the sheet's pictures.
     pub size: [usize; 2],
+    /// What to say of the first span past the limit of its method.
+    pub past_limit: Option<String>,
     pub steady: Vec<Steady>,
 }
 
