@@ -339,6 +339,23 @@ fn durations_past_a_methods_limit_are_told_of_once_by_every_part_of_a_sweep() {
 }
 
 #[test]
+fn a_case_whose_rows_were_cut_short_is_run_again() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("s.toml"), format!("{SMALL}durations_s = [0, 1, 5]\n")).unwrap();
+    succeeds(folder.path(), &["s.toml", "--out", "o"]);
+    let whole = files(&folder.path().join("o"));
+    let cells = folder.path().join("o/case.0000/cells.csv");
+    let rows = std::fs::read_to_string(&cells).unwrap();
+    for kept in [0, rows.len() / 2, rows.len() - 3] {
+        std::fs::write(&cells, &rows[..kept]).unwrap();
+        let merge = sungaze(folder.path(), &["s.toml", "--out", "o", "--merge"]);
+        assert_eq!(merge.status.code(), Some(1), "{}", told(&merge));
+        succeeds(folder.path(), &["s.toml", "--out", "o"]);
+        assert!(files(&folder.path().join("o")) == whole);
+    }
+}
+
+#[test]
 fn tables_as_json_hold_whole_numbers_lists_and_strings_as_what_they_are() {
     let folder = tempfile::tempdir().unwrap();
     let text = format!(

@@ -207,6 +207,7 @@ impl Cells<'_> {
         let size = [first.small.width, first.small.height];
         let done = Done {
             digest: self.folder.digest.clone(),
+            rows: run::digest(rows.as_bytes()),
             bad_frames,
             size,
             past_limit: past_limit.map(|words| format!("case {}, {words}", case.number)),
