@@ -307,3 +307,69 @@ fn frames_that_had_to_be_mended_are_told_of_by_every_part_of_a_sweep() {
         assert_eq!(output.status.code(), Some(3), "{part:?}: {}", told(&output));
     }
 }
+
+#[test]
+fn a_probe_on_black_has_no_chromaticity_and_its_sweep_finishes() {
+    use sungaze::frames::{About, Compression, write_exr};
+    use sungaze::light::Planes;
+    let folder = tempfile::tempdir().unwrap();
+    let about = About { white: Some(sungaze::units::Nits(100.0)), ..About::default() };
+    let black = Planes::float(16, 9, 3);
+    write_exr(&folder.path().join("a.exr"), &["R", "G", "B"], &black, Compression::Zip, &about).unwrap();
+    let text = "[input]\nframes = \"a.exr\"\nhorizontal_fov_deg = 8\n[sweep]\ndurations_s = [0, 1]\n";
+    std::fs::write(folder.path().join("s.toml"), text).unwrap();
+    succeeds(folder.path(), &["s.toml", "--out", "o"]);
+    succeeds(folder.path(), &["s.toml", "--out", "o", "--merge"]);
+    let table = std::fs::read_to_string(folder.path().join("o/sweep.csv")).unwrap();
+    assert_eq!(table.lines().skip(1).filter(|row| row.ends_with(",0,0,0,NaN,NaN")).count(), 2, "{table}");
+}
+
+#[test]
+fn durations_past_a_methods_limit_are_told_of_once_by_every_part_of_a_sweep() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = format!("{SMALL}durations_s = [1, 60, 600]\n[numerics]\nmethod = \"rk4\"\n");
+    std::fs::write(folder.path().join("s.toml"), text).unwrap();
+    for part in [&["--index", "0"][..], &["--merge"], &[]] {
+        let said = told(&sungaze(folder.path(), &[&["s.toml", "--out", "o"], part].concat()));
+        assert_eq!(said.matches("h lambda reaches").count(), 1, "{part:?}: {said}");
+        assert!(said.contains("past the 2.785 to which method \"rk4\" is stable"), "{said}");
+    }
+    let exact = sungaze(folder.path(), &["s.toml", "--out", "e", "--set", "numerics.method=exact"]);
+    assert!(exact.status.success() && !told(&exact).contains("h lambda"), "{}", told(&exact));
+}
+
+#[test]
+fn a_case_whose_rows_were_cut_short_is_run_again() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("s.toml"), format!("{SMALL}durations_s = [0, 1, 5]\n")).unwrap();
+    succeeds(folder.path(), &["s.toml", "--out", "o"]);
+    let whole = files(&folder.path().join("o"));
+    let cells = folder.path().join("o/case.0000/cells.csv");
+    let rows = std::fs::read_to_string(&cells).unwrap();
+    for kept in [0, rows.len() / 2, rows.len() - 3] {
+        std::fs::write(&cells, &rows[..kept]).unwrap();
+        let merge = sungaze(folder.path(), &["s.toml", "--out", "o", "--merge"]);
+        assert_eq!(merge.status.code(), Some(1), "{}", told(&merge));
+        succeeds(folder.path(), &["s.toml", "--out", "o"]);
+        assert!(files(&folder.path().join("o")) == whole);
+    }
+}
+
+#[test]
+fn tables_as_json_hold_whole_numbers_lists_and_strings_as_what_they_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = format!(
+        "{SMALL}durations_s = [0.5]\n[[sweep.vary]]\nkey = \"numerics.method\"\nvalues = [\"exact\"]\n\
+         [[sweep.vary]]\nkey = \"gaze.at\"\nvalues = [[0.5, 0.25]]\n"
+    );
+    std::fs::write(folder.path().join("s.toml"), text).unwrap();
+    for arguments in [&["--list"][..], &["--out", "o"]] {
+        let output = sungaze(folder.path(), &[&["s.toml", "--json"], arguments].concat());
+        let rows: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert!(rows[0]["case"].is_u64(), "{rows}");
+        assert_eq!(rows[0]["numerics.method"], "exact");
+        assert_eq!(rows[0]["gaze.at"], serde_json::json!([0.5, 0.25]));
+    }
+    let again = sungaze(folder.path(), &["s.toml", "--out", "p"]);
+    assert_eq!(String::from_utf8_lossy(&again.stdout), "p: 1 case run\n");
+}

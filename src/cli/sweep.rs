@@ -53,7 +53,8 @@ pub fn command(path: &Path, asked: &Asked, common: &Common) -> Result<ExitCode> 
         say(&format!("{}: all cases gathered", folder.display()));
     } else {
         let kept = if outcome.kept > 0 { format!(", {} finished before", outcome.kept) } else { String::new() };
-        say(&format!("{}: {} cases run{kept}", folder.display(), outcome.ran));
+        let cases = if outcome.ran == 1 { "case" } else { "cases" };
+        say(&format!("{}: {} {cases} run{kept}", folder.display(), outcome.ran));
     }
     Ok(ExitCode::from(if outcome.went_on { 3 } else { 0 }))
 }
@@ -62,7 +63,7 @@ fn list(sweep: &Sweep, json: bool) {
     let pairs = |values: &[String]| sweep.keys.iter().cloned().zip(values.to_vec()).collect::<Vec<_>>();
     if json {
         let object = |case: &sungaze::config::Case| {
-            let values = pairs(&case.values).into_iter().map(|(key, value)| (key, Value::String(value)));
+            let values = pairs(&case.values).into_iter().map(|(key, value)| (key, table::value(value)));
             Value::Object(std::iter::once(("case".into(), case.number.into())).chain(values).collect::<Map<_, _>>())
         };
         return say(&format!("{:#}", Value::Array(sweep.cases.iter().map(object).collect())));

@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 
 use sungaze::error::{Error, Result};
 
-/// The rows of a CSV file as objects. Cells that read as finite numbers become numbers.
+/// The rows of a CSV file as objects.
 pub fn rows(path: &Path) -> Result<Value> {
     let text = std::fs::read_to_string(path).map_err(Error::io(path, "read"))?;
     let mut lines = text.lines().map(cells);
@@ -17,9 +17,18 @@ pub fn rows(path: &Path) -> Result<Value> {
     Ok(Value::Array(lines.map(row).collect()))
 }
 
-fn value(cell: String) -> Value {
-    let number = cell.parse().ok().filter(|v: &f64| v.is_finite()).and_then(serde_json::Number::from_f64);
-    number.map_or(Value::String(cell), Value::Number)
+/// A cell: whole and other finite numbers become numbers, TOML lists and quoted strings what they stand for.
+pub fn value(cell: String) -> Value {
+    let whole = || cell.parse().ok().map(|number: i64| number.into());
+    let real = || cell.parse().ok().and_then(serde_json::Number::from_f64).map(Value::Number);
+    whole().or_else(real).or_else(|| toml_value(&cell)).unwrap_or(Value::String(cell))
+}
+
+/// The value of a varied key that is a list, a string or a truth.
+fn toml_value(cell: &str) -> Option<Value> {
+    let written = cell.starts_with(['[', '"', '\'', '{']) || ["true", "false"].contains(&cell);
+    let table: toml::Table = written.then(|| toml::from_str(&format!("value = {cell}")).ok()).flatten()?;
+    serde_json::to_value(table.get("value")?).ok()
 }
 
 /// Splits a line; a quoted cell may hold commas and doubled quotes.

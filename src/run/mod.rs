@@ -7,7 +7,7 @@ pub mod checkpoint;
 mod eye;
 mod folder;
 mod gaze;
-mod plot;
+pub(crate) mod plot;
 mod reader;
 pub mod record;
 mod rehearse;

@@ -12,7 +12,7 @@ use crate::run::record::Reading;
 const WIDTH: f64 = 1200.0;
 /// Height of a probe's row.
 const ROW: f64 = 360.0;
-/// Chromaticities beyond the axis, which no light has, leave a gap.
+/// The axis; chromaticities beyond it, which no light has, leave a gap.
 const CHROMATICITY: (f64, f64) = (0.0, 0.8);
 
 /// A curve of a panel: name, colour, dashes, and what it shows of a reading.
@@ -50,6 +50,8 @@ fn drawn(history: &[(f64, Vec<Reading>)]) -> Sheet {
             panel.frame(&mut sheet);
             legend(&mut sheet, &panel, curves);
             curves.iter().for_each(|curve| draw(&mut sheet, &panel, curve, &of_probe));
+            let values = of_probe.iter().flat_map(|(_, reading)| curves.iter().map(|curve| curve.3(reading)));
+            note_breaks(&mut sheet, &panel, values);
         }
     }
     sheet
@@ -77,10 +79,27 @@ fn legend(sheet: &mut Sheet, panel: &Panel, curves: &[Curve]) {
     }
 }
 
+/// Whether a value has its place in a panel, but for rounding.
+pub(crate) fn inside(panel: &Panel, value: f64) -> bool {
+    let slack = 1e-6 * (panel.y.to - panel.y.from);
+    (panel.y.from - slack..=panel.y.to + slack).contains(&value)
+}
+
+/// Says below a panel why its lines break, if they do. Black alone has no chromaticity.
+pub(crate) fn note_breaks(sheet: &mut Sheet, panel: &Panel, values: impl Iterator<Item = f64>) {
+    let (black, outside): (Vec<f64>, Vec<f64>) = values.filter(|&v| !inside(panel, v)).partition(|v| v.is_nan());
+    let words = match (black.is_empty(), outside.is_empty()) {
+        (true, true) => return,
+        (true, false) => "outside the panel where the line breaks",
+        (false, true) => "black where the line breaks",
+        (false, false) => "outside the panel or black where the line breaks",
+    };
+    sheet.text((panel.right(), panel.bottom() + 60.0), words, 14, Anchor::End, BLACK);
+}
+
 /// Draws a curve, in pieces where it leaves the panel.
 fn draw(sheet: &mut Sheet, panel: &Panel, (_, ink, dashes, value): &Curve, readings: &[(f64, &Reading)]) {
-    let inside = |v: f64| (panel.y.from..=panel.y.to).contains(&v);
-    for piece in readings.split(|(_, reading)| !inside(value(reading))) {
+    for piece in readings.split(|(_, reading)| !inside(panel, value(reading))) {
         let points: Vec<Point> = piece.iter().map(|(t, reading)| panel.at(*t, value(reading))).collect();
         sheet.polyline(&points, *ink, 2.4, dashes);
     }
@@ -112,5 +131,18 @@ mod tests {
             assert!(!svg.contains("NaN") && !svg.contains("inf"));
             assert_eq!(svg.matches(">sun<").count(), if times.is_empty() { 0 } else { 2 });
         }
+    }
+
+    #[test]
+    fn a_panel_says_why_its_line_breaks_and_only_then() {
+        let told = |xyz: [[f64; 3]; 3]| {
+            let one = |(i, xyz): (usize, [f64; 3])| (i as f64, vec![Reading { xyz, ..reading(0.5) }]);
+            drawn(&xyz.into_iter().enumerate().map(one).collect::<Vec<_>>()).svg()
+        };
+        let (white, black, beyond) = ([1.0; 3], [0.0; 3], [-6.6, 1.0, 6.6]);
+        assert!(!told([white; 3]).contains("where the line breaks"));
+        assert!(told([white, black, white]).contains(">black where the line breaks<"));
+        assert!(told([white, beyond, white]).contains(">outside the panel where the line breaks<"));
+        assert!(told([black, beyond, white]).contains(">outside the panel or black where the line breaks<"));
     }
 }

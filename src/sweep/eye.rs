@@ -8,6 +8,7 @@ use ndarray::Array3;
 use crate::config::{Case, Config};
 use crate::error::Result;
 use crate::eye::{Dynamics, Pupil, Rule};
+use crate::kinetics::Kinetics;
 use crate::light::{Planes, Samples};
 use crate::retina::{Advance, Model, Retina};
 use crate::run::record::{self, Probe, Reading};
@@ -40,6 +41,8 @@ pub struct Sight {
     pub readings: Vec<Reading>,
     /// What the probes would read under this light for ever.
     pub steady: Vec<Reading>,
+    /// What to say if the span is past the step length that the method is stable to.
+    pub past_limit: Option<String>,
 }
 
 impl Eye {
@@ -108,11 +111,15 @@ impl Eye {
             self.reading(lit, span.aim, pupil, probe, pixel, self.steady(lit, span.aim, pupil, pixel))
         };
         let steady = self.probes.iter().zip(&pixels).map(forever).collect();
-        Sight { seen: look.map(|look| look.seen), small, readings: readings.unwrap_or_default(), steady }
+        let readings = readings.unwrap_or_default();
+        let censuses = look.iter().chain([&small]).map(|look| look.census.greatest);
+        let light = censuses.chain(readings.iter().map(|reading| reading.illuminance));
+        let past_limit = past_limit(model, &self.whole.pigments, light, span);
+        Sight { seen: look.map(|look| look.seen), small: small.seen, readings, steady, past_limit }
     }
 
     /// Both eyes look; the small one with the pupil of the whole one.
-    fn look(&mut self, lit: &Lit, span: &Span, model: Model) -> (Option<Look>, Planes, Millimetres) {
+    fn look(&mut self, lit: &Lit, span: &Span, model: Model) -> (Option<Look>, Look, Millimetres) {
         let gaze = self.aim(lit, span.aim);
         (self.whole.model, self.small.model) = (model, model);
         let look = self.spread.then(|| self.whole.look(&lit.planes, &lit.survey, gaze, span.length(), None));
@@ -128,7 +135,7 @@ impl Eye {
         let small_gaze = [0, 1].map(|i| (gaze[i] + 0.5) * scale[i] - 0.5);
         self.small.pupil = Pupil::new(Rule::Fixed(pupil), Dynamics::default());
         let small = self.small.look(&lit.small, &lit.survey, small_gaze, span.length(), None);
-        (look, small.seen, pupil)
+        (look, small, pupil)
     }
 
     /// Moves the probes of a still and reads them; `None` if the whole retina must be read.
@@ -191,6 +198,25 @@ fn viewer(config: &Config, scene: &Scene, retina: Retina, pixels_per_degree: f64
     let mut viewer = Viewer::new(scene.vision.clone(), config.pigments(), Model::Unbleached, retina, pixels_per_degree);
     viewer.surround = Nits(config.settings.gaze.surround_cd_m2);
     viewer
+}
+
+/// What to say if h lambda under the greatest of these cone illuminances is past what the method is stable to.
+fn past_limit(
+    model: Model,
+    pigments: &[Kinetics; 3],
+    light: impl Iterator<Item = [f64; 3]>,
+    span: &Span,
+) -> Option<String> {
+    let Model::Tracked { method, substeps, .. } = model else { return None };
+    let greatest = light.fold([0.0; 3], |most: [f64; 3], light| [0, 1, 2].map(|k| most[k].max(light[k])));
+    let h = span.length().0 / f64::from(substeps.max(1));
+    let x = (0..3).map(|k| h * pigments[k].contraction(Trolands(greatest[k]))[1]).fold(0.0, f64::max);
+    (x > method.stable_to).then(|| {
+        format!(
+            "{} s: h lambda reaches {x:.3}, past the {:.3} to which method {:?} is stable: its pigment is not to be trusted",
+            span.end, method.stable_to, method.name
+        )
+    })
 }
 
 /// The model with its budget shared by the steps of a pass: their errors add up at most.

@@ -1,12 +1,12 @@
 //! The sweep's folder: `sweep.json` says which sweep it is, `case.0000` what one case left.
 //!
-//! A case is finished when its `case.json` is there, which is written last and names the sweep by a digest. So any
-//! number of processes may work in one folder, stop at any moment and begin again: finished cases are kept, and a
+//! A case is finished when its `case.json` is there, which is written last and names the sweep and the case's rows by
+//! digests. So any number of processes may work in one folder, stop at any moment and begin again: finished cases are kept, and a
 //! half-done one is done anew. Half-written files never appear (see [`atomic`]).
 
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Value, json};
 
 use crate::config::{Config, Sweep};
@@ -33,18 +33,33 @@ pub struct Folder {
 pub struct Done {
     /// The sweep's, of which it is a case.
     pub digest: String,
+    /// Names the rows that it left in `cells.csv`.
+    pub rows: String,
     /// Frames with samples that had to be mended, and numbers without a file.
     pub bad_frames: usize,
     /// Width and height of the sheet's pictures.
     pub size: [usize; 2],
+    /// What to say of the first span past the limit of its method.
+    pub past_limit: Option<String>,
     pub steady: Vec<Steady>,
 }
 
 /// What a probe of a case would come to under its last light.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Steady {
+    #[serde(deserialize_with = "numbers")]
     pub bleached: [f64; 3],
+    /// NaN where the percept is black.
+    #[serde(deserialize_with = "numbers")]
     pub chromaticity: [f64; 2],
+}
+
+/// Numbers as JSON holds them, which writes those that are not finite as null.
+fn numbers<'de, D: Deserializer<'de>, const N: usize>(from: D) -> std::result::Result<[f64; N], D::Error>
+where
+    [Option<f64>; N]: Deserialize<'de>,
+{
+    Ok(<[Option<f64>; N]>::deserialize(from)?.map(|number| number.unwrap_or(f64::NAN)))
 }
 
 /// All that a finished case left for the sheet, the table and the plot.
@@ -112,14 +127,16 @@ impl Folder {
         self.path.join(format!("case.{number:04}"))
     }
 
-    /// Whether a case of this very sweep is finished.
+    /// Whether a case of this very sweep is finished and its rows are whole.
     pub fn is_finished(&self, number: usize) -> bool {
         self.done(number).is_some()
     }
 
     fn done(&self, number: usize) -> Option<Done> {
         let text = std::fs::read_to_string(self.case(number).join("case.json")).ok()?;
-        serde_json::from_str(&text).ok().filter(|done: &Done| done.digest == self.digest)
+        let done: Done = serde_json::from_str(&text).ok().filter(|done: &Done| done.digest == self.digest)?;
+        let rows = std::fs::read(self.case(number).join("cells.csv")).ok()?;
+        (run::digest(&rows) == done.rows).then_some(done)
     }
 
     /// Begins a case: its folder is there, without what a stopped process left in it.

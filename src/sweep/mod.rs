@@ -79,6 +79,9 @@ pub fn sweep(config: &Config, path: &Path, existing: Existing, part: Part, watch
     if bad_frames > 0 {
         watch.warn(&format!("{bad_frames} bad frames were mended or held, counting those of every case"));
     }
+    if let Some(past_limit) = left.iter().find_map(|case| case.done.past_limit.as_ref()) {
+        watch.warn(past_limit);
+    }
     Ok(Outcome { ran: pending.len(), kept: kept.len(), went_on: bad_frames > 0, table })
 }
 
@@ -178,7 +181,7 @@ impl Cells<'_> {
         let mut eye = Eye::new(case, scene, first, self.sweep.pictures, spans.len())?;
         let (mut file, mut light) = (opened.first_file(), first.clone());
         let (mut rows, mut pictures, mut steady) = (table::header(&self.sweep.keys), Vec::new(), Vec::new());
-        let mut bad_frames = scene.held.len() + usize::from(first.mended);
+        let (mut bad_frames, mut past_limit) = (scene.held.len() + usize::from(first.mended), None);
         for span in spans {
             if self.watch.interrupted() {
                 return Err(Error::Interrupted { resumable: true });
@@ -188,6 +191,7 @@ impl Cells<'_> {
                 bad_frames += usize::from(light.mended);
             }
             let sight = eye.watch(&light, span);
+            past_limit = past_limit.or(sight.past_limit);
             let Some(cell) = span.cell else { continue };
             rows += &table::rows(case.number, self.sweep.durations[cell], &case.values, &sight.readings);
             pictures.extend(writer.picture(&sight.small, map));
@@ -201,7 +205,14 @@ impl Cells<'_> {
             .iter()
             .map(|reading| Steady { bleached: reading.p.map(|p| 1.0 - p), chromaticity: chromaticity(reading.xyz) });
         let size = [first.small.width, first.small.height];
-        let done = Done { digest: self.folder.digest.clone(), bad_frames, size, steady: steady.collect() };
+        let done = Done {
+            digest: self.folder.digest.clone(),
+            rows: run::digest(rows.as_bytes()),
+            bad_frames,
+            size,
+            past_limit: past_limit.map(|words| format!("case {}, {words}", case.number)),
+            steady: steady.collect(),
+        };
         self.folder.finish(case.number, &Left { done, rows, pictures })
     }
 }

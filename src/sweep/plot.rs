@@ -4,11 +4,12 @@
 use std::path::Path;
 
 use crate::chart::axes::{Axis, Panel};
-use crate::chart::draw::{Anchor, Ink, Marker, Sheet};
+use crate::chart::draw::{Anchor, Ink, Marker, Point, Sheet};
 use crate::chart::palette::{BLACK, BLUE, GREEN, GREY, PURPLE, VERMILION};
 use crate::config::Sweep;
 use crate::error::Result;
 use crate::frames::atomic;
+use crate::run::plot::{inside, note_breaks};
 use crate::sweep::contact::{self, MOST_CASES};
 use crate::sweep::folder::{Left, Steady};
 
@@ -31,8 +32,8 @@ const CURVES: [(&str, Ink, Marker); 5] = [
     ("L", VERMILION, Marker::Disc),
     ("M", GREEN, Marker::Square),
     ("S", BLUE, Marker::Triangle),
-    ("x", PURPLE, Marker::Disc),
-    ("y", BLACK, Marker::Square),
+    ("x", BLACK, Marker::Disc),
+    ("y", PURPLE, Marker::Square),
 ];
 
 /// Draws the plot of a sweep.
@@ -103,24 +104,27 @@ fn draw(sheet: &mut Sheet, course: &Course, sweep: &Sweep, top: f64) {
     for (left, y, curves) in panels {
         let panel = Panel { left, top, width: 480.0, height: 190.0, x, y };
         panel.frame(sheet);
-        for curve in curves {
+        for curve in curves.clone() {
             draw_curve(sheet, &panel, course, curve);
         }
+        let values = course.points.iter().flat_map(|(_, values)| values[curves.clone()].iter().copied());
+        note_breaks(sheet, &panel, values);
     }
 }
 
 fn draw_curve(sheet: &mut Sheet, panel: &Panel, course: &Course, curve: usize) {
     let (_, ink, marker) = CURVES[curve];
     let steady = course.steady[curve];
-    if steady.is_finite() {
+    if inside(panel, steady) {
         sheet.line(panel.at(panel.x.from, steady), panel.at(panel.x.to, steady), ink, 1.4, "6 4");
     }
-    let seen = course.points.iter().filter(|(_, values)| values[curve].is_finite());
     let place = |&(time, values): &(f64, [f64; 5])| panel.at(time.max(panel.x.from), values[curve]);
-    sheet.polyline(&seen.clone().map(place).collect::<Vec<_>>(), ink, 2.0, "");
-    let inside = seen.filter(|(_, values)| (panel.y.from..=panel.y.to).contains(&values[curve]));
     let r = if course.points.len() > 40 { 2.0 } else { 3.5 };
-    inside.map(place).for_each(|at| sheet.mark(at, marker, r, ink));
+    for piece in course.points.split(|(_, values)| !inside(panel, values[curve])) {
+        let piece: Vec<Point> = piece.iter().map(place).collect();
+        sheet.polyline(&piece, ink, 2.0, "");
+        piece.into_iter().for_each(|at| sheet.mark(at, marker, r, ink));
+    }
 }
 
 /// Whole powers of ten around the durations; the start stands at the left edge.
