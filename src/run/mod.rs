@@ -227,7 +227,7 @@ fn finish(
         "version": env!("CARGO_PKG_VERSION"),
         "constants": report::constants(config),
         "plan": eye.viewer.plan.report(eye.viewer.model, &eye.viewer.pigments),
-        "check": eye.check.as_ref().map(Check::report),
+        "check": eye.check.as_ref().map_or_else(report::unchecked, Check::report),
         "frames": {
             "count": scene.steps.len(),
             "width": scene.footage.header().width,
