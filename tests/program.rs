@@ -140,6 +140,62 @@ fn a_mistake_costs_nothing_of_an_earlier_run() {
     }
 }
 
+#[test]
+fn bad_frames_that_a_policy_lets_go_on_are_counted_and_exit_with_three() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    for number in [1, 2, 4] {
+        picture(&at(&format!("f.{number:04}.exr")), 4, 2, [1.0, 2.0, 1.0]);
+    }
+    picture(&at("inf.exr"), 4, 2, [1.0, f32::INFINITY, f32::NAN]);
+    let run = |more: &[&str]| {
+        let set = ["run", "--quiet", "--json", "--set", "input.horizontal_fov_deg=8"];
+        sungaze(folder.path(), &[&set[..], more].concat())
+    };
+    let gap = run(&["--set", "input.frames=f.####.exr", "--out", "gap"]);
+    assert_eq!(code(&gap), 2, "{}", told(&gap));
+    assert!(told(&gap).contains("3"), "the missing number is named: {}", told(&gap));
+    let held = run(&["--set", "input.frames=f.####.exr", "--set", "input.missing=hold", "--out", "held"]);
+    assert_eq!(code(&held), 3, "{}", told(&held));
+    assert_eq!(told(&held).trim().lines().count(), 1, "one warning: {}", told(&held));
+    assert!(at("held/seen.0003.exr").exists(), "one output for the missing number");
+    let trace = std::fs::read_to_string(at("held/trace.csv")).unwrap();
+    assert!(trace.lines().nth(4).is_some_and(|row| row.starts_with("4,0.1666")), "time follows the numbers: {trace}");
+    let set = ["--set", "input.frames=inf.exr", "--set", "time.duration_s=0.04", "--set", "input.non_finite=clamp"];
+    let clamped = run(&[&set[..], &["--out", "clamped"]].concat());
+    assert_eq!(code(&clamped), 3, "{}", told(&clamped));
+    let report: serde_json::Value = serde_json::from_slice(&clamped.stdout).unwrap();
+    assert_eq!((&report["frames"]["infinite_samples"], &report["frames"]["nan_samples"]), (&8.into(), &8.into()));
+}
+
+#[test]
+fn two_runs_do_not_write_into_one_folder_at_once() {
+    let folder = folder();
+    let long = [
+        "run",
+        "--quiet",
+        "--set",
+        "input.width=64",
+        "--set",
+        "time.fps=1",
+        "--set",
+        "time.duration_s=100000",
+        "--out",
+        "o",
+    ];
+    let mut first = Command::new(env!("CARGO_BIN_EXE_sungaze")).current_dir(folder.path()).args(long).spawn().unwrap();
+    let begun = std::time::Instant::now();
+    while !folder.path().join("o/seen.0001.exr").exists() && begun.elapsed().as_secs() < 60 {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let second = run_small(folder.path(), &["--out", "o", "--overwrite"]);
+    first.kill().unwrap();
+    first.wait().unwrap();
+    assert_eq!(code(&second), 2, "{}", told(&second));
+    assert!(told(&second).contains("another run"), "{}", told(&second));
+    assert_eq!(code(&run_small(folder.path(), &["--out", "o", "--overwrite"])), 0, "a killed run holds nothing");
+}
+
 /// A configuration, the exit code it deserves and what the message must name.
 const WRONG: &[(&str, i32, &[&str])] = &[
     ("[observer]\nagee = 30\n", 2, &["c.toml:2", "agee"]),
