@@ -1,8 +1,8 @@
 //! The sweep's folder: `sweep.json` says which sweep it is, `case.0000` what one case left.
 //!
 //! A case is finished when its `case.json` is there, which is written last and names the sweep and the case's rows by
-//! digests. So any number of processes may work in one folder, stop at any moment and begin again: finished cases are kept, and a
-//! half-done one is done anew. Half-written files never appear (see [`atomic`]).
+//! digests. So any number of processes may work in one folder, stop at any moment and begin again: finished cases
+//! are kept, and a half-done one is done anew. Half-written files never appear (see [`atomic`]).
 
 use std::path::{Path, PathBuf};
 
