@@ -15,7 +15,7 @@ use crate::sweep::folder::{Left, Steady};
 
 const WIDTH: f64 = 1200.0;
 /// From one row of panels to the next.
-const PITCH: f64 = 266.0;
+const PITCH: f64 = 276.0;
 /// Above the first row.
 const HEAD: f64 = 74.0;
 
