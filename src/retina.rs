@@ -27,6 +27,17 @@ pub enum Model {
 }
 
 impl Model {
+    /// What to say if a step takes the method past its limit under the greatest cone illuminances, td.
+    pub fn past_limit(&self, pigments: &[Kinetics; 3], greatest: [f64; 3], dt: Seconds) -> Option<String> {
+        let Model::Tracked { method, substeps, .. } = self else { return None };
+        let past = pigments
+            .iter()
+            .zip(greatest)
+            .filter_map(|(pigment, td)| method.past_limit(pigment, Trolands(td), dt, *substeps));
+        let worst = past.max_by(|a, b| a.h_lambda.total_cmp(&b.h_lambda))?;
+        Some(format!("{worst} of method {:?}: its pigment is not to be trusted", method.name))
+    }
+
     /// The name in `trace.csv` and `report.json`.
     pub fn name(&self) -> &'static str {
         match self {

@@ -169,6 +169,27 @@ fn bad_frames_that_a_policy_lets_go_on_are_counted_and_exit_with_three() {
 }
 
 #[test]
+fn a_run_that_takes_a_method_past_its_limit_says_which_frame_and_by_how_much() {
+    let folder = folder();
+    let set = [
+        "--out",
+        "o",
+        "--json",
+        "--set",
+        "numerics.method=rk4",
+        "--set",
+        "numerics.model=tracked",
+        "--set",
+        "time.times_s=[0, 60]",
+    ];
+    let output = run_small(folder.path(), &set);
+    let (warned, report) = (told(&output), String::from_utf8_lossy(&output.stdout).into_owned());
+    for text in [warned, report] {
+        assert!(text.contains("frame 1: h lambda = ") && text.contains("past the limit 2.7853"), "{text}");
+    }
+}
+
+#[test]
 fn two_runs_do_not_write_into_one_folder_at_once() {
     let folder = folder();
     let long = [

@@ -332,7 +332,7 @@ fn durations_past_a_methods_limit_are_told_of_once_by_every_part_of_a_sweep() {
     for part in [&["--index", "0"][..], &["--merge"], &[]] {
         let said = told(&sungaze(folder.path(), &[&["s.toml", "--out", "o"], part].concat()));
         assert_eq!(said.matches("h lambda reaches").count(), 1, "{part:?}: {said}");
-        assert!(said.contains("past the 2.785 to which method \"rk4\" is stable"), "{said}");
+        assert!(said.contains("is past the limit 2.7853 of method \"rk4\""), "{said}");
     }
     let exact = sungaze(folder.path(), &["s.toml", "--out", "e", "--set", "numerics.method=exact"]);
     assert!(exact.status.success() && !told(&exact).contains("h lambda"), "{}", told(&exact));

@@ -172,23 +172,10 @@ impl Eye {
     fn meet(&mut self, look: &Look, step: &Step, places: usize) {
         self.counters.meet(step.end(), &look.census, places);
         if self.counters.method_past_limit.is_none() {
-            self.counters.method_past_limit = self.past_limit(look, step);
+            let Viewer { model, pigments, .. } = &self.viewer;
+            let past = model.past_limit(pigments, look.census.greatest, Seconds(step.duration));
+            self.counters.method_past_limit = past.map(|problem| format!("frame {}: {problem}", step.number));
         }
-    }
-
-    /// What to say if the step's method is past the step length it is stable to.
-    fn past_limit(&self, look: &Look, step: &Step) -> Option<String> {
-        let Model::Tracked { method, substeps, .. } = self.viewer.model else { return None };
-        let h = step.duration / f64::from(substeps.max(1));
-        let x = (0..3)
-            .map(|k| h * self.viewer.pigments[k].contraction(crate::units::Trolands(look.census.greatest[k]))[1])
-            .fold(0.0, f64::max);
-        (x > method.stable_to).then(|| {
-            format!(
-                "frame {}: h lambda reaches {x:.3}, past the {:.3} to which method {:?} is stable: its pigment is not to be trusted",
-                step.number, method.stable_to, method.name
-            )
-        })
     }
 }
 

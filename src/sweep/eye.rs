@@ -8,7 +8,6 @@ use ndarray::Array3;
 use crate::config::{Case, Config};
 use crate::error::Result;
 use crate::eye::{Dynamics, Pupil, Rule};
-use crate::kinetics::Kinetics;
 use crate::light::{Planes, Samples};
 use crate::retina::{Advance, Model, Retina};
 use crate::run::record::{self, Probe, Reading};
@@ -114,7 +113,9 @@ impl Eye {
         let readings = readings.unwrap_or_default();
         let censuses = look.iter().chain([&small]).map(|look| look.census.greatest);
         let light = censuses.chain(readings.iter().map(|reading| reading.illuminance));
-        let past_limit = past_limit(model, &self.whole.pigments, light, span);
+        let greatest = light.fold([0.0; 3], |most: [f64; 3], light| [0, 1, 2].map(|k| most[k].max(light[k])));
+        let past_limit = model.past_limit(&self.whole.pigments, greatest, span.length());
+        let past_limit = past_limit.map(|problem| format!("{} s: {problem}", span.end));
         Sight { seen: look.map(|look| look.seen), small: small.seen, readings, steady, past_limit }
     }
 
@@ -198,25 +199,6 @@ fn viewer(config: &Config, scene: &Scene, retina: Retina, pixels_per_degree: f64
     let mut viewer = Viewer::new(scene.vision.clone(), config.pigments(), Model::Unbleached, retina, pixels_per_degree);
     viewer.surround = Nits(config.settings.gaze.surround_cd_m2);
     viewer
-}
-
-/// What to say if h lambda under the greatest of these cone illuminances is past what the method is stable to.
-fn past_limit(
-    model: Model,
-    pigments: &[Kinetics; 3],
-    light: impl Iterator<Item = [f64; 3]>,
-    span: &Span,
-) -> Option<String> {
-    let Model::Tracked { method, substeps, .. } = model else { return None };
-    let greatest = light.fold([0.0; 3], |most: [f64; 3], light| [0, 1, 2].map(|k| most[k].max(light[k])));
-    let h = span.length().0 / f64::from(substeps.max(1));
-    let x = (0..3).map(|k| h * pigments[k].contraction(Trolands(greatest[k]))[1]).fold(0.0, f64::max);
-    (x > method.stable_to).then(|| {
-        format!(
-            "{} s: h lambda reaches {x:.3}, past the {:.3} to which method {:?} is stable: its pigment is not to be trusted",
-            span.end, method.stable_to, method.name
-        )
-    })
 }
 
 /// The model with its budget shared by the steps of a pass: their errors add up at most.
