@@ -7,8 +7,9 @@
 //!
 //! A tile whose bound stays below half the budget is left untouched and its pixels are returned as they came. The
 //! first frame that could pass that bound is tracked from p = 1, for good: what was left out before only shrinks,
-//! because every law contracts (relative to p it can grow, under self-screening, by [`Kinetics::growth`]). Where a frame lasts so long that nothing of the state before it remains, its steady
-//! state is taken. A quarter of the budget each goes to that and to the sub-steps of the nonlinear laws.
+//! because every law contracts (relative to p it can grow, under self-screening, by [`Kinetics::growth`]). Where a
+//! frame lasts so long that nothing of the state before it remains, its steady state is taken. A quarter of the
+//! budget each goes to that and to the sub-steps of the nonlinear laws.
 //! The bounds run along with the frames: a file is read once.
 
 use serde_json::{Value, json};
