@@ -5,7 +5,7 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::{Strip, vectorised};
+use super::{Strip, ask_for, vectorised};
 
 /// Sums that are carried at once: five and the light, twice, fill the registers of the smaller processors.
 const GROUP: usize = 5;
@@ -113,19 +113,6 @@ fn one_place(group: &[[f32; GROUP]], light: Strip<'_>, at: usize, i: usize) -> f
         total += weights[i] * light.plane(band)[at];
     }
     total
-}
-
-/// Tells the processor which samples are wanted soon.
-#[inline(always)]
-fn ask_for(samples: *const f32) {
-    #[cfg(target_arch = "x86_64")]
-    {
-        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        // SAFETY: a prefetch reads nothing that the program could see, and faults at no address.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(samples.cast()) }
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    let _ = samples;
 }
 
 #[cfg(test)]

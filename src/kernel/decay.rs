@@ -1,17 +1,17 @@
 //! e^-z and its mean over 0..z, in a form that vectorises.
 //!
 //! ```text
-//! mean:   phi(z) = (1 - e^-z)/z                         z in 0..1/8, one polynomial, no division
+//! mean:   phi(z) = (1 - e^-z)/z                         z in 0..0.006, one polynomial, no division
 //! decay:  e^-z = 2^n e^r,   n = round(-z/ln 2),   r = -z - n ln 2        any z >= 0
 //! ```
 //!
-//! Both polynomials interpolate at Chebyshev nodes (degree 7, truncated by 1e-17; degree 11, by 2e-17); rounding
+//! Both polynomials interpolate at Chebyshev nodes (degree 4, truncated by 8.4e-17; degree 11, by 2e-17); rounding
 //! makes the errors below. ln 2 is taken in two parts (Cody & Waite 1980), the first with bits to spare.
 
 use std::f64::consts::LOG2_E;
 
-/// The largest z of [`mean_decay_short`]. At 24 frames a second and 2e4 td of half-bleach light: 6e6 td.
-pub const SHORT: f64 = 0.125;
+/// The largest z of [`mean_decay_short`]. At 24 frames a second and 2e4 td of half-bleach light: 3e5 td.
+pub const SHORT: f64 = 0.006;
 
 /// The z from which [`decay`] gives 0: e^-708 is the last that is sure not to be denormal.
 pub const LONGEST: f64 = 708.0;
@@ -19,16 +19,8 @@ pub const LONGEST: f64 = 708.0;
 /// Largest relative error of [`mean_decay_short`] and of [`decay`], from 0 to `LONGEST`.
 pub const ERROR: f64 = 4e-16;
 
-const MEAN: [f64; 8] = [
-    1.0,
-    -0.4999999999999951,
-    0.16666666666584581,
-    -0.04166666661408113,
-    0.008333331677954874,
-    -0.0013888605609956477,
-    0.00019814359866226683,
-    -2.3463784375394916e-05,
-];
+pub(super) const MEAN: [f64; 5] =
+    [1.0, -0.49999999999998596, 0.1666666665917931, -0.04166660426300064, 0.008316686292125782];
 
 /// (e^r - 1 - r)/r^2 for |r| <= ln(2)/2.
 const TAIL: [f64; 10] = [
@@ -58,13 +50,19 @@ pub fn mean_decay_short(z: f64) -> f64 {
 /// e^-z for any z >= 0, infinity too; 0 from `LONGEST` on.
 #[inline(always)]
 pub fn decay(z: f64) -> f64 {
+    let (power, q) = parts(z);
+    if z < LONGEST { power * (1.0 + q) } else { 0.0 }
+}
+
+/// 2^n and e^r - 1, of which e^-z is made: `power (1 + q)`. Where 2^n is 1, q is e^-z - 1 to its last digit.
+#[inline(always)]
+pub(super) fn parts(z: f64) -> (f64, f64) {
     let bounded = if z < LONGEST { z } else { LONGEST };
     let shifted = bounded * -LOG2_E + ROUNDING;
     let n = shifted - ROUNDING;
     let r = (-bounded - n * LN_2[0]) - n * LN_2[1];
     let power = f64::from_bits(shifted.to_bits().wrapping_add(1023) << 52);
-    let e = power * (1.0 + (r + r * r * polynomial(&TAIL, r)));
-    if z < LONGEST { e } else { 0.0 }
+    (power, r + r * r * polynomial(&TAIL, r))
 }
 
 #[inline(always)]

@@ -29,6 +29,7 @@ pub fn narrow(from: &[f32], to: &mut [f16]) -> bool {
 
 #[cfg(target_arch = "x86_64")]
 mod f16c {
+    use super::super::{TILE, ask_for};
     use half::f16;
     use std::arch::x86_64::{
         __m128i, _MM_FROUND_TO_NEAREST_INT, _mm_loadu_si128, _mm_storeu_si128, _mm256_cvtph_ps, _mm256_cvtps_ph,
@@ -41,6 +42,7 @@ mod f16c {
     pub unsafe fn widen(from: &[f16], to: &mut [f32]) {
         let ((from, from_rest), (to, to_rest)) = (from.as_chunks::<8>(), to.as_chunks_mut::<8>());
         for (from, to) in from.iter().zip(to) {
+            ask_for(from.as_ptr().wrapping_add(TILE));
             // SAFETY: both are arrays of eight; the loads and stores need no alignment.
             unsafe {
                 let halves = _mm_loadu_si128(from.as_ptr().cast::<__m128i>());

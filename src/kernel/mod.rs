@@ -28,11 +28,32 @@ use crate::light::Row;
 /// Most places of a tile: the planes of RGB light, trolands, pigment and percept of so many take 15 KiB.
 pub const TILE: usize = 256;
 
-/// Room for the light of one tile, where it has to be converted or projected.
-pub type Room = [f32; ROOM];
-
-/// Samples of a [`Room`].
+/// Samples of a [`Room`]'s light.
 pub const ROOM: usize = 16 * TILE;
+
+/// Where one tile is worked on. Made once for many rows: it is as large as many a row of a picture.
+#[repr(align(64))]
+pub struct Room {
+    /// Light, where it has to be converted or projected.
+    pub light: [f32; ROOM],
+    /// Cone illuminance of L, M, S, td.
+    pub td: [[f32; TILE]; 3],
+    /// The percept's R, G, B.
+    pub rgb: [[f32; TILE]; 3],
+}
+
+impl Room {
+    /// An empty one.
+    pub fn new() -> Self {
+        Room { light: [0.0; ROOM], td: [[0.0; TILE]; 3], rgb: [[0.0; TILE]; 3] }
+    }
+}
+
+impl Default for Room {
+    fn default() -> Self {
+        Room::new()
+    }
+}
 
 /// A run of places in a row of planes.
 #[derive(Clone, Copy, Debug)]
@@ -91,6 +112,20 @@ pub fn tiles(planes: usize, width: usize) -> impl Iterator<Item = (usize, usize)
 
 /// Tiles are whole multiples of this where they can be: two of the longest vectors.
 const LANES: usize = 32;
+
+/// Asks the processor for samples that will be wanted soon: a run that is read tile by tile, here and there, comes
+/// from memory no faster than it is asked for.
+#[inline(always)]
+fn ask_for<T>(sample: *const T) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        // SAFETY: a prefetch reads nothing that the program could see, and faults at no address.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(sample.cast()) }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = sample;
+}
 
 /// Runs a loop compiled for the best that this processor has.
 fn vectorised<Loop: pulp::WithSimd>(work: Loop) -> Loop::Output {

@@ -1,11 +1,16 @@
-//! The percept of a run: catches through the pigments by the four levels, as cubics in p, then the picture's RGB.
+//! The percept of a run: catches through the pigments by the four levels, then the picture's RGB.
 //!
 //! ```text
-//! R_k(p) = p (q0 + q1 p + q2 p^2 + q3 p^3),   q = V M,   seen = A R
+//! RGB:      R_k(p) = p sum_i W_ki(p) light_i              W_ki: a cubic in p for each plane
+//! moments:  R_k(p) = p 16/3 (b (p M3 - (p-1) M0) + 2 a ((p-3/4) M1 - (p-1/4) M2)),   a = p (p-1), b = (p-1/4) (p-3/4)
+//! seen = A R
 //! ```
 //!
-//! V turns values at the levels into powers of p. Where all three p are 1 the light itself is returned: RGB as it
-//! came in, moments as their catch at p = 1. (p counts as 1 where it is nearer to 1 than to any other f32.)
+//! Both are Lagrange's cubic through the levels 0, 1/4, 3/4, 1. Where all three p are 1 the light itself is
+//! returned: RGB as it came in, moments as their catch at p = 1. (p counts as 1 where it is nearer to 1 than to any
+//! other f32.) Written out in vectors; the places that fill none are done one by one, by the same sums.
+
+use std::ops::Range;
 
 use pulp::{Simd, WithSimd};
 
@@ -22,13 +27,13 @@ pub struct PerceptForm {
     peaks: [Vec<[f32; 4]>; 3],
 }
 
-/// How the planes become the coefficients of the cubics: `[power][plane]`.
+/// How the planes become catches per pigment.
 #[derive(Clone, Debug)]
 enum Reception {
-    /// Each cone's own weights of the three planes.
-    Rgb([[[f32; 3]; 4]; 3]),
+    /// `[cone][plane]`: the plane's weight, a cubic in p, lowest power first.
+    Rgb([[[f32; 4]; 3]; 3]),
     /// The planes of cone k are its four moments, from plane 4 k on.
-    Moments([[f32; 4]; 4]),
+    Moments,
 }
 
 impl PerceptForm {
@@ -36,16 +41,15 @@ impl PerceptForm {
     pub fn new(vision: &Vision) -> Self {
         let to_powers = powers_of_levels();
         let single = |m: &Matrix| m.map(|row| row.map(|v| v as f32));
-        let of_rgb = |k: usize, l: usize, plane: usize| {
-            let shares = to_powers[l].iter().enumerate();
-            shares.map(|(j, share)| share * vision.moment_weights(k * LEVELS.len() + j)[plane]).sum::<f64>() as f32
-        };
         let cubic = |h: &[f64; 4]| to_powers.map(|row| row.iter().zip(h).map(|(v, h)| v * h).sum::<f64>() as f32);
+        let of_rgb = |k: usize, plane: usize| {
+            cubic(&[0, 1, 2, 3].map(|j| vision.moment_weights(k * LEVELS.len() + j)[plane]))
+        };
         PerceptForm {
             reception: if vision.returns_its_light() {
-                Reception::Rgb([0, 1, 2].map(|k| [0, 1, 2, 3].map(|l| [0, 1, 2].map(|plane| of_rgb(k, l, plane)))))
+                Reception::Rgb([0, 1, 2].map(|k| [0, 1, 2].map(|plane| of_rgb(k, plane))))
             } else {
-                Reception::Moments(to_powers.map(|row| row.map(|v| v as f32)))
+                Reception::Moments
             },
             lms_to_seen: single(&vision.lms_to_seen),
             peaks: match vision.peaks() {
@@ -90,107 +94,147 @@ impl WithSimd for Percept<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let Percept { form, light, p, seen } = self;
-        let n = light.width();
-        let (mut single, mut lms) = ([[0.0f32; TILE]; 3], [[0.0f32; TILE]; 3]);
+        let mut single = [[0.0f32; TILE]; 3];
         for (single, p) in single.iter_mut().zip(p) {
             for (single, &p) in single.iter_mut().zip(p) {
                 *single = p as f32;
             }
         }
-        for k in 0..3 {
-            let (p, catch) = (&single[k][..n], &mut lms[k][..n]);
-            match &form.reception {
-                Reception::Rgb(weights) => {
-                    let planes = [light.plane(0), light.plane(1), light.plane(2)];
-                    per_pigment(&weights[k], planes, p, catch);
-                    finish_catch(&form.peaks[k], p, catch);
-                }
-                Reception::Moments(weights) => {
-                    let at = k * LEVELS.len();
-                    let planes = [light.plane(at), light.plane(at + 1), light.plane(at + 2), light.plane(at + 3)];
-                    per_pigment(weights, planes, p, catch);
-                    finish_catch(&form.peaks[k], p, catch);
-                    choose(p, planes[3], catch);
+        let [r, g, b] = seen;
+        let whole = light.width() / S::F32_LANES * S::F32_LANES;
+        look(simd, form, light, 0..whole, &single, [&mut *r, &mut *g, &mut *b]);
+        look(pulp::Scalar, form, light, whole..light.width(), &single, [r, g, b]);
+    }
+}
+
+/// The percept of a range of whole vectors.
+#[inline(always)]
+fn look<S: Simd>(
+    simd: S,
+    form: &PerceptForm,
+    light: Strip<'_>,
+    range: Range<usize>,
+    p: &[[f32; TILE]; 3],
+    seen: [&mut [f32]; 3],
+) {
+    let [l, m, s] = p;
+    let p = [vectors::<S>(&l[range.clone()]), vectors::<S>(&m[range.clone()]), vectors::<S>(&s[range.clone()])];
+    let [r, g, b] = seen;
+    let mut seen = [
+        S::as_mut_simd_f32s(&mut r[range.clone()]).0,
+        S::as_mut_simd_f32s(&mut g[range.clone()]).0,
+        S::as_mut_simd_f32s(&mut b[range.clone()]).0,
+    ];
+    match &form.reception {
+        Reception::Rgb(weights) => {
+            let mut planes: [&[S::f32s]; 3] = [&[]; 3];
+            for (i, plane) in planes.iter_mut().enumerate() {
+                *plane = vectors::<S>(&light.plane(i)[range.clone()]);
+            }
+            for x in 0..p[0].len() {
+                let (p, light) = ([p[0][x], p[1][x], p[2][x]], [planes[0][x], planes[1][x], planes[2][x]]);
+                let rgb = seen_of_rgb(simd, form, weights, p, light);
+                for i in 0..3 {
+                    seen[i][x] = rgb[i];
                 }
             }
         }
-        for (i, (row, seen)) in form.lms_to_seen.iter().zip(seen).enumerate() {
-            apply(row, &lms, &mut seen[..n]);
-            if let Reception::Rgb(_) = form.reception {
-                keep_where_unbleached(&single, light.plane(i), &mut seen[..n]);
+        Reception::Moments => {
+            let mut planes: [&[S::f32s]; 12] = [&[]; 12];
+            for (i, plane) in planes.iter_mut().enumerate() {
+                *plane = vectors::<S>(&light.plane(i)[range.clone()]);
+            }
+            for x in 0..p[0].len() {
+                let mut catch = [simd.splat_f32s(0.0); 3];
+                for k in 0..3 {
+                    let m = [planes[4 * k][x], planes[4 * k + 1][x], planes[4 * k + 2][x], planes[4 * k + 3][x]];
+                    catch[k] = catch_of_moments(simd, &form.peaks[k], p[k][x], m);
+                }
+                for (row, seen) in form.lms_to_seen.iter().zip(&mut seen) {
+                    seen[x] = row_times(simd, row, catch);
+                }
             }
         }
     }
 }
 
-/// The cubic of each place: its catch per pigment.
 #[inline(always)]
-fn per_pigment<const N: usize>(weights: &[[f32; N]; 4], planes: [&[f32]; N], p: &[f32], out: &mut [f32]) {
-    let planes = planes.map(|plane| &plane[..out.len()]);
-    let p = &p[..out.len()];
-    for x in 0..out.len() {
-        let mut q = [0.0f32; 4];
-        for l in 0..4 {
-            q[l] = weights[l][0] * planes[0][x];
-            for i in 1..N {
-                q[l] += weights[l][i] * planes[i][x];
-            }
-        }
-        out[x] = q[0] + p[x] * (q[1] + p[x] * (q[2] + p[x] * q[3]));
-    }
+fn vectors<S: Simd>(run: &[f32]) -> &[S::f32s] {
+    S::as_simd_f32s(run).0
 }
 
-/// Catch per pigment -> catch: times p, or for the `narrowed` reading over its own peak.
 #[inline(always)]
-fn finish_catch(peaks: &[[f32; 4]], p: &[f32], catch: &mut [f32]) {
-    if peaks.is_empty() {
-        for (catch, p) in catch.iter_mut().zip(p) {
-            *catch *= p;
+fn seen_of_rgb<S: Simd>(
+    simd: S,
+    form: &PerceptForm,
+    weights: &[[[f32; 4]; 3]; 3],
+    p: [S::f32s; 3],
+    light: [S::f32s; 3],
+) -> [S::f32s; 3] {
+    let mut catch = [simd.splat_f32s(0.0); 3];
+    for k in 0..3 {
+        let mut sum = simd.mul_f32s(cubic(simd, &weights[k][0], p[k]), light[0]);
+        for i in 1..3 {
+            sum = simd.add_f32s(sum, simd.mul_f32s(cubic(simd, &weights[k][i], p[k]), light[i]));
         }
-        return;
+        catch[k] = finished(simd, &form.peaks[k], p[k], sum);
     }
-    let mut greatest = [0.0f32; TILE];
-    for h in peaks {
-        for (greatest, p) in greatest.iter_mut().zip(p) {
-            let peak = h[0] + p * (h[1] + p * (h[2] + p * h[3]));
-            *greatest = if peak > *greatest { peak } else { *greatest };
-        }
+    let one = simd.splat_f32s(1.0);
+    let lm = simd.and_m32s(simd.equal_f32s(p[0], one), simd.equal_f32s(p[1], one));
+    let unbleached = simd.and_m32s(lm, simd.equal_f32s(p[2], one));
+    let mut seen = light;
+    for i in 0..3 {
+        seen[i] = simd.select_f32s(unbleached, light[i], row_times(simd, &form.lms_to_seen[i], catch));
     }
-    for (catch, peak) in catch.iter_mut().zip(&greatest) {
-        *catch /= peak;
-    }
+    seen
 }
 
 /// The catch of a whole pigment is a level itself.
 #[inline(always)]
-fn choose(p: &[f32], whole: &[f32], catch: &mut [f32]) {
-    for ((catch, &p), &whole) in catch.iter_mut().zip(p).zip(whole) {
-        *catch = either(p == 1.0, whole, *catch);
-    }
+fn catch_of_moments<S: Simd>(simd: S, peaks: &[[f32; 4]], p: S::f32s, m: [S::f32s; 4]) -> S::f32s {
+    let p1 = simd.sub_f32s(p, simd.splat_f32s(0.25));
+    let p2 = simd.sub_f32s(p, simd.splat_f32s(0.75));
+    let p3 = simd.sub_f32s(p, simd.splat_f32s(1.0));
+    let (a, b) = (simd.mul_f32s(p, p3), simd.mul_f32s(p1, p2));
+    let outer = simd.sub_f32s(simd.mul_f32s(p, m[3]), simd.mul_f32s(p3, m[0]));
+    let inner = simd.sub_f32s(simd.mul_f32s(p2, m[1]), simd.mul_f32s(p1, m[2]));
+    let sum = simd.add_f32s(simd.mul_f32s(b, outer), simd.mul_f32s(simd.add_f32s(a, a), inner));
+    let catch = finished(simd, peaks, p, simd.mul_f32s(simd.splat_f32s(16.0 / 3.0), sum));
+    simd.select_f32s(simd.equal_f32s(p, simd.splat_f32s(1.0)), m[3], catch)
 }
 
-/// One of two numbers, by their bits: a choice of places in memory would not vectorise.
+/// Catch per pigment -> catch: times p, or for the `narrowed` reading over its own peak.
 #[inline(always)]
-fn either(first: bool, a: f32, b: f32) -> f32 {
-    let mask = 0u32.wrapping_sub(u32::from(first));
-    f32::from_bits((a.to_bits() & mask) | (b.to_bits() & !mask))
+fn finished<S: Simd>(simd: S, peaks: &[[f32; 4]], p: S::f32s, per_pigment: S::f32s) -> S::f32s {
+    if peaks.is_empty() {
+        return simd.mul_f32s(p, per_pigment);
+    }
+    let mut greatest = simd.splat_f32s(0.0);
+    for peak in peaks {
+        greatest = simd.max_f32s(greatest, cubic(simd, peak, p));
+    }
+    simd.div_f32s(per_pigment, greatest)
+}
+
+/// c0 + c1 p + c2 p^2 + c3 p^3.
+#[inline(always)]
+fn cubic<S: Simd>(simd: S, c: &[f32; 4], p: S::f32s) -> S::f32s {
+    let mut sum = simd.splat_f32s(c[3]);
+    for i in [2, 1, 0] {
+        sum = simd.add_f32s(simd.mul_f32s(sum, p), simd.splat_f32s(c[i]));
+    }
+    sum
 }
 
 #[inline(always)]
-fn apply(row: &[f32; 3], lms: &[[f32; TILE]; 3], out: &mut [f32]) {
-    for (((out, l), m), s) in out.iter_mut().zip(&lms[0]).zip(&lms[1]).zip(&lms[2]) {
-        *out = row[0] * l + row[1] * m + row[2] * s;
+fn row_times<S: Simd>(simd: S, row: &[f32; 3], lms: [S::f32s; 3]) -> S::f32s {
+    let mut sum = simd.mul_f32s(simd.splat_f32s(row[0]), lms[0]);
+    for k in 1..3 {
+        sum = simd.add_f32s(sum, simd.mul_f32s(simd.splat_f32s(row[k]), lms[k]));
     }
-}
-
-#[inline(always)]
-fn keep_where_unbleached(p: &[[f32; TILE]; 3], light: &[f32], seen: &mut [f32]) {
-    for ((((seen, &light), &l), &m), &s) in seen.iter_mut().zip(light).zip(&p[0]).zip(&p[1]).zip(&p[2]) {
-        let unbleached = (l == 1.0) & (m == 1.0) & (s == 1.0);
-        *seen = either(unbleached, light, *seen);
-    }
+    sum
 }
 
 #[cfg(test)]

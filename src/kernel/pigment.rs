@@ -2,18 +2,18 @@
 //!
 //! ```text
 //! a = 1 + I/I0,   z = (h/tau) a,   p1 = 1/a + e^-z (p - 1/a)
-//! z <= 1/8:       p1 = p + (h/tau) phi(z) (1 - a p),   phi(z) = (1 - e^-z)/z
+//! e^-z > 0.7:     p1 = p + (e^-z - 1) (p - 1/a)
+//! z <= 0.006:     p1 = p + (h/tau) phi(z) (1 - a p),   phi(z) = (1 - e^-z)/z
 //! ```
 //!
-//! The second form needs no division and does not cancel where little happens. Which one a place takes depends on
-//! its own light only; the greatest light of a tile decides whether the first is computed at all. In the dark p = 1
-//! stays 1 bit for bit, infinite light leaves 0.
+//! Each form cancels nothing where it is taken; the last needs no division. Which one a place takes depends on its
+//! own light only; the greatest light of a [`SPAN`] of places decides whether the first two are computed at all. In
+//! the dark p = 1 stays 1 bit for bit, infinite light leaves 0.
 
 use pulp::{Simd, WithSimd};
 
-use super::decay::{SHORT, decay, mean_decay_short};
-use super::extremes::greatest_of;
-use super::{TILE, vectorised};
+use super::decay::{LONGEST, MEAN, SHORT, mean_decay_short, parts};
+use super::{TILE, ask_for, vectorised};
 use crate::kinetics::Kinetics;
 use crate::units::Seconds;
 
@@ -22,12 +22,19 @@ use crate::units::Seconds;
 pub struct FirstOrderForm {
     per_half_bleach: f64,
     steps_of_tau: f64,
+    /// What one troland adds to z.
+    bleach: f64,
+    /// Light that is sure to bleach little in a step (z below `SHORT`), td.
+    little: f32,
 }
 
 impl FirstOrderForm {
     /// For a pigment and a step.
     pub fn new(pigment: &Kinetics, dt: Seconds) -> Self {
-        FirstOrderForm { per_half_bleach: 1.0 / pigment.half_bleach.0, steps_of_tau: dt.0 / pigment.tau.0 }
+        let steps_of_tau = dt.0 / pigment.tau.0;
+        let little = (SHORT / steps_of_tau - 1.0) * pigment.half_bleach.0 * (1.0 - 1e-6);
+        let per_half_bleach = 1.0 / pigment.half_bleach.0;
+        FirstOrderForm { per_half_bleach, steps_of_tau, bleach: steps_of_tau * per_half_bleach, little: little as f32 }
     }
 
     #[inline(always)]
@@ -36,9 +43,29 @@ impl FirstOrderForm {
     }
 
     #[inline(always)]
-    fn short_step(self, a: f64, z: f64, p: f64) -> f64 {
-        p + self.steps_of_tau * mean_decay_short(z) * (1.0 - a * p)
+    fn bleaches_little(self, light: &[f32]) -> bool {
+        light.iter().fold(true, |all, &light| all & (light <= self.little))
     }
+
+    #[inline(always)]
+    fn relaxed(self, light: f32, p: f64) -> f64 {
+        let z = self.steps_of_tau + self.bleach * f64::from(light);
+        let little = p + mean_decay_short(z) * (self.steps_of_tau - z * p);
+        let rest = 1.0 / self.rate(light);
+        let (power, q) = parts(z);
+        let slow = power == 1.0;
+        let weight = power * q + either(slow, 0.0, power);
+        let weight = either(z < LONGEST, weight, 0.0);
+        let long = either(slow, p, rest) + weight * (p - rest);
+        either(z <= SHORT, little, long)
+    }
+}
+
+/// One of two numbers, by their bits: a choice of branches would not vectorise.
+#[inline(always)]
+fn either(first: bool, a: f64, b: f64) -> f64 {
+    let mask = 0u64.wrapping_sub(u64::from(first));
+    f64::from_bits((a.to_bits() & mask) | (b.to_bits() & !mask))
 }
 
 struct Relax<'a> {
@@ -56,35 +83,56 @@ impl WithSimd for Relax<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let form = self.form;
-        for (light, p) in self.light.chunks(TILE).zip(self.p.chunks_mut(TILE)) {
-            if form.steps_of_tau * form.rate(greatest_of(light)) <= SHORT {
-                relax_short(form, light, p);
+    fn with_simd<S: Simd>(self, simd: S) {
+        let ((spans, rest), (light, light_rest)) = (self.p.as_chunks_mut::<SPAN>(), self.light.as_chunks::<SPAN>());
+        for (p, light) in spans.iter_mut().zip(light) {
+            for line in (0..SPAN).step_by(8) {
+                ask_for(p.as_ptr().wrapping_add(TILE + line));
+            }
+            if self.form.bleaches_little(light) {
+                relax_little(simd, self.form, light, p);
             } else {
-                relax_any(form, light, p);
+                relax_any(self.form, light, p);
             }
         }
+        relax_any(self.form, light_rest, rest);
     }
 }
 
+/// How many places decide together whether a form without division does for all of them.
+const SPAN: usize = 32;
+
+/// Written out in vectors, four side by side so that none waits for its own sums: most places of most pictures go
+/// this way.
 #[inline(always)]
-fn relax_short(form: FirstOrderForm, light: &[f32], p: &mut [f64]) {
-    for (p, &light) in p.iter_mut().zip(light) {
-        let a = form.rate(light);
-        *p = form.short_step(a, form.steps_of_tau * a, *p);
+fn relax_little<S: Simd>(simd: S, form: FirstOrderForm, light: &[f32; SPAN], p: &mut [f64; SPAN]) {
+    let mut wide = [0.0; SPAN];
+    for (wide, &light) in wide.iter_mut().zip(light) {
+        *wide = f64::from(light);
+    }
+    let (light, p) = (S::as_simd_f64s(&wide).0, S::as_mut_simd_f64s(p).0);
+    let (steps, bleach) = (simd.splat_f64s(form.steps_of_tau), simd.splat_f64s(form.bleach));
+    for (p, light) in p.as_chunks_mut::<4>().0.iter_mut().zip(light.as_chunks::<4>().0) {
+        let (mut z, mut mean) = ([steps; 4], [simd.splat_f64s(MEAN[MEAN.len() - 1]); 4]);
+        for i in 0..4 {
+            z[i] = simd.add_f64s(steps, simd.mul_f64s(bleach, light[i]));
+        }
+        for &c in MEAN.iter().rev().skip(1) {
+            for i in 0..4 {
+                mean[i] = simd.add_f64s(simd.mul_f64s(mean[i], z[i]), simd.splat_f64s(c));
+            }
+        }
+        for i in 0..4 {
+            let change = simd.sub_f64s(steps, simd.mul_f64s(z[i], p[i]));
+            p[i] = simd.add_f64s(p[i], simd.mul_f64s(mean[i], change));
+        }
     }
 }
 
 #[inline(always)]
 fn relax_any(form: FirstOrderForm, light: &[f32], p: &mut [f64]) {
     for (p, &light) in p.iter_mut().zip(light) {
-        let a = form.rate(light);
-        let z = form.steps_of_tau * a;
-        let rest = 1.0 / a;
-        let long = rest + decay(z) * (*p - rest);
-        let short = form.short_step(a, z, *p);
-        *p = if z <= SHORT { short } else { long };
+        *p = form.relaxed(light, *p);
     }
 }
 

@@ -1,5 +1,7 @@
 //! Linear forms of the planes of a run.
 
+use std::ops::Range;
+
 use pulp::{Simd, WithSimd};
 
 use super::decay::decay;
@@ -20,8 +22,52 @@ pub fn combine(light: Strip<'_>, weights: &[f32], out: &mut [f32]) {
 
 /// Cone illuminance of a run, td: a linear form of the planes for each cone, never negative.
 pub fn illuminance(light: Strip<'_>, weights: &[Vec<f32>; 3], out: [&mut [f32]; 3]) {
+    if let [[r0, g0, b0], [r1, g1, b1], [r2, g2, b2]] = weights.each_ref().map(Vec::as_slice) {
+        let weights = [[*r0, *g0, *b0], [*r1, *g1, *b1], [*r2, *g2, *b2]];
+        return vectorised(OfRgb { light, weights, out });
+    }
     for (weights, out) in weights.iter().zip(out) {
         vectorised(Combine { light, weights, out, floored: true });
+    }
+}
+
+/// The illuminance of RGB light, all cones at once.
+struct OfRgb<'a> {
+    light: Strip<'a>,
+    weights: [[f32; 3]; 3],
+    out: [&'a mut [f32]; 3],
+}
+
+impl WithSimd for OfRgb<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let OfRgb { light, weights, out: [l, m, s] } = self;
+        let whole = light.width() / S::F32_LANES * S::F32_LANES;
+        of_rgb(simd, light, 0..whole, &weights, [&mut *l, &mut *m, &mut *s]);
+        of_rgb(pulp::Scalar, light, whole..light.width(), &weights, [l, m, s]);
+    }
+}
+
+/// Three sums over a range of whole vectors.
+#[inline(always)]
+fn of_rgb<S: Simd>(simd: S, light: Strip<'_>, range: Range<usize>, weights: &[[f32; 3]; 3], out: [&mut [f32]; 3]) {
+    let plane = [light.plane(0), light.plane(1), light.plane(2)];
+    let [r, g, b] = [
+        S::as_simd_f32s(&plane[0][range.clone()]).0,
+        S::as_simd_f32s(&plane[1][range.clone()]).0,
+        S::as_simd_f32s(&plane[2][range.clone()]).0,
+    ];
+    let zero = simd.splat_f32s(0.0);
+    for (weights, out) in weights.iter().zip(out) {
+        let [wr, wg, wb] = [simd.splat_f32s(weights[0]), simd.splat_f32s(weights[1]), simd.splat_f32s(weights[2])];
+        let out = S::as_mut_simd_f32s(&mut out[range.clone()]).0;
+        for (((out, &r), &g), &b) in out.iter_mut().zip(r).zip(g).zip(b) {
+            let sum = simd.add_f32s(simd.mul_f32s(wr, r), simd.mul_f32s(wg, g));
+            let sum = simd.add_f32s(sum, simd.mul_f32s(wb, b));
+            *out = simd.select_f32s(simd.greater_than_f32s(sum, zero), sum, zero);
+        }
     }
 }
 
@@ -29,20 +75,53 @@ impl WithSimd for Combine<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let Combine { light, weights, out, floored } = self;
-        out.fill(0.0);
-        for (i, &weight) in weights.iter().enumerate() {
-            if weight != 0.0 {
-                for (sum, v) in out.iter_mut().zip(light.plane(i)) {
-                    *sum += weight * v;
-                }
+        let mut terms = weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
+        let mut begun = false;
+        loop {
+            let (mut group, mut count): ([(f32, &[f32]); GROUP], usize) = ([(0.0, &[]); GROUP], 0);
+            for (term, (i, &weight)) in group.iter_mut().zip(&mut terms) {
+                *term = (weight, light.plane(i));
+                count += 1;
             }
+            let last = count < GROUP;
+            let whole = out.len() / S::F32_LANES * S::F32_LANES;
+            let sums = Sums { terms: &group[..count], begun, floored: last && floored };
+            sums.add(simd, 0, &mut out[..whole]);
+            sums.add(pulp::Scalar, whole, &mut out[whole..]);
+            if last {
+                return;
+            }
+            begun = true;
         }
-        if floored {
-            for sum in out.iter_mut() {
-                *sum = if *sum > 0.0 { *sum } else { 0.0 };
+    }
+}
+
+/// Planes that are added at once.
+const GROUP: usize = 4;
+
+struct Sums<'a> {
+    terms: &'a [(f32, &'a [f32])],
+    /// Whether there is a sum already to add to.
+    begun: bool,
+    floored: bool,
+}
+
+impl Sums<'_> {
+    /// Adds the terms over a range of whole vectors that begins at `from`.
+    #[inline(always)]
+    fn add<S: Simd>(&self, simd: S, from: usize, out: &mut [f32]) {
+        let zero = simd.splat_f32s(0.0);
+        let length = out.len();
+        for (x, out) in S::as_mut_simd_f32s(out).0.iter_mut().enumerate() {
+            let mut sum = if self.begun { *out } else { zero };
+            for &(weight, plane) in self.terms {
+                let plane = S::as_simd_f32s(&plane[from..from + length]).0;
+                sum = simd.add_f32s(sum, simd.mul_f32s(simd.splat_f32s(weight), plane[x]));
             }
+            let floored = self.floored;
+            *out = if floored { simd.select_f32s(simd.greater_than_f32s(sum, zero), sum, zero) } else { sum };
         }
     }
 }

@@ -64,11 +64,11 @@ pub fn survey(vision: &Vision, planes: &Planes, pixels_per_degree: f64) -> Surve
     let rows: Vec<_> = (0..planes.height)
         .into_par_iter()
         .map_init(
-            || vec![0.0; planes.width],
-            |luminance, y| {
-                let (row, mut room) = (planes.row(y), [0.0; kernel::ROOM]);
+            || (vec![0.0; planes.width], [0.0; kernel::ROOM]),
+            |(luminance, room), y| {
+                let row = planes.row(y);
                 for (from, width) in kernel::tiles(planes.count, planes.width) {
-                    let light = Strip::of(row, planes.count, from, width, &mut room);
+                    let light = Strip::of(row, planes.count, from, width, room);
                     kernel::combine(light, &weights, &mut luminance[from..from + width]);
                 }
                 cells.row(luminance)

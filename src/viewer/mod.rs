@@ -17,7 +17,7 @@ use rayon::prelude::*;
 
 use crate::display::Survey;
 use crate::eye::Pupil;
-use crate::kernel::{self, PerceptForm, ROOM, TILE};
+use crate::kernel::{self, PerceptForm, Room, TILE};
 use crate::kinetics::Kinetics;
 use crate::light::{Planes, Sample, Samples};
 use crate::percept::Vision;
@@ -147,11 +147,10 @@ impl Viewer {
             .zip(seen.par_chunks_exact_mut(3 * planes.width))
             .zip(plan.ledger.par_chunks_exact_mut(per_row))
             .enumerate()
-            .map(|(y, ((p, seen), ledger))| {
-                let (mut room, mut td, mut rgb) = ([0.0; ROOM], [[0.0; TILE]; 3], [[0.0; TILE]; 3]);
+            .map_init(Room::new, |Room { light: room, td, rgb }, (y, ((p, seen), ledger))| {
                 let mut census = Census::EMPTY;
                 for ((from, width), left_out) in sight.tiles(planes.row(y), planes.width).zip(ledger) {
-                    let light = sight.light(planes.row(y), from, width, &mut room);
+                    let light = sight.light(planes.row(y), from, width, room);
                     let mut p = thirds(p).map(|p| &mut p[from..from + width]);
                     if moves {
                         sight.illuminance(light, [from, y], td.each_mut().map(|td| &mut td[..width]));
@@ -217,10 +216,9 @@ impl Viewer {
     fn illuminate(&mut self, glance: &Glance<'_>) -> Census {
         let planes = glance.planes;
         self.fields.resize(3 * planes.width * planes.height, 0.0);
-        let rows = self.fields.par_chunks_exact_mut(3 * planes.width).enumerate().map(|(y, td)| {
-            let mut room = [0.0; ROOM];
+        let rows = self.fields.par_chunks_exact_mut(3 * planes.width).enumerate().map_init(Room::new, |room, (y, td)| {
             for (from, width) in glance.sight.tiles(planes.row(y), planes.width) {
-                let light = glance.sight.light(planes.row(y), from, width, &mut room);
+                let light = glance.sight.light(planes.row(y), from, width, &mut room.light);
                 glance.sight.illuminance(light, [from, y], thirds(td).map(|td| &mut td[from..from + width]));
             }
             Census::of_light(thirds(td).map(|td| kernel::greatest(td)))
@@ -242,11 +240,11 @@ impl Viewer {
         let [x0, y0] = self.retina.origin();
         seen.par_chunks_exact_mut(3 * planes.width)
             .enumerate()
-            .map(|(y, seen)| {
-                let (mut room, mut p, mut rgb) = ([0.0; ROOM], [[0.0; TILE]; 3], [[0.0; TILE]; 3]);
+            .map_init(Room::new, |Room { light: room, rgb, .. }, (y, seen)| {
+                let mut p = [[0.0; TILE]; 3];
                 let mut census = Census::EMPTY;
                 for (from, width) in glance.sight.tiles(planes.row(y), planes.width) {
-                    let light = glance.sight.light(planes.row(y), from, width, &mut room);
+                    let light = glance.sight.light(planes.row(y), from, width, room);
                     let at = [from as f64 - shift[0] - x0 as f64, y as f64 - shift[1] - y0 as f64];
                     pigment.resample(at, p.each_mut().map(|p| &mut p[..width]));
                     let p = p.each_ref().map(|p| &p[..width]);

@@ -1,6 +1,6 @@
 //! How the planes of a frame become cone illuminance under one pupil and gaze.
 
-use crate::kernel::{self, BandSums, Room, Strip, TILE};
+use crate::kernel::{self, BandSums, ROOM, Strip, TILE};
 use crate::light::{Planes, Row};
 use crate::percept::{LEVELS, Vision};
 use crate::units::Millimetres;
@@ -71,7 +71,7 @@ impl Sight {
     }
 
     /// The light of one tile: RGB, or the moments.
-    pub fn light<'a>(&self, row: Row<'a>, from: usize, width: usize, room: &'a mut Room) -> Strip<'a> {
+    pub fn light<'a>(&self, row: Row<'a>, from: usize, width: usize, room: &'a mut [f32; ROOM]) -> Strip<'a> {
         let Some(sums) = &self.bands else { return Strip::of(row, self.planes_in, from, width, room) };
         let (projected, converted) = room.split_at_mut(sums.rows() * width);
         sums.project(Strip::of(row, self.planes_in, from, width, converted), projected);
