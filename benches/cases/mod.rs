@@ -1,4 +1,6 @@
-//! What is measured: work on pictures in memory, and the bytes that it cannot do without.
+//! What is measured: work on pictures in memory and in files, and the bytes that it cannot do without.
+
+mod files;
 
 use half::f16;
 use rayon::prelude::*;
@@ -18,9 +20,19 @@ const FRAME: Seconds = Seconds(1.0 / 24.0);
 
 /// One thing to measure: its name, the bytes it reads plus those it writes, and the work.
 pub struct Case {
-    pub name: &'static str,
+    pub name: String,
     pub bytes: usize,
     pub work: Box<dyn FnMut() + Send>,
+    /// How many frames the work goes over.
+    pub frames: usize,
+    /// Whether it takes all threads, whatever pool it is called in.
+    pub whole_machine: bool,
+}
+
+impl Case {
+    fn new(name: impl Into<String>, bytes: usize, work: impl FnMut() + Send + 'static) -> Case {
+        Case { name: name.into(), bytes, work: Box::new(work), frames: 1, whole_machine: false }
+    }
 }
 
 /// Every case for a picture of about so many megapixels.
@@ -28,13 +40,15 @@ pub fn all(megapixels: f64) -> Vec<Case> {
     let height = ((megapixels * 1e6 / 16.0 * 9.0).sqrt()).round() as usize;
     let width = (megapixels * 1e6 / height as f64).round() as usize;
     let size = [width, height];
-    vec![
+    let mut cases = vec![
         state("state update, indoor to street", size, false),
         state("state update, a sun in every tile", size, true),
         rgb("RGB frame, half", size),
         spectral("spectral frame, 31 bands", size),
         display("display", size),
-    ]
+    ];
+    cases.extend(files::all(size));
+    cases
 }
 
 /// A copy that moves as many bytes, read plus written, block by block in the pool's threads.
@@ -76,7 +90,7 @@ fn state(name: &'static str, [width, height]: [usize; 2], sunny: bool) -> Case {
             }
         });
     };
-    Case { name, bytes: places * 3 * (8 + 8 + 4), work: Box::new(work) }
+    Case::new(name, places * 3 * (8 + 8 + 4), work)
 }
 
 /// A whole look, with the picture given back to be written over.
@@ -90,7 +104,7 @@ fn look(name: &'static str, vision: Vision, planes: Planes, bytes: usize) -> Cas
         let look = viewer.look(&planes, &luminances, gaze, FRAME, seen.take());
         seen = Some(look.seen);
     };
-    Case { name, bytes, work: Box::new(work) }
+    Case::new(name, bytes, work)
 }
 
 fn rgb(name: &'static str, [width, height]: [usize; 2]) -> Case {
@@ -125,5 +139,5 @@ fn display(name: &'static str, [width, height]: [usize; 2]) -> Case {
             display.encode_row(&map, [r, g, b], 1.0, bytes);
         });
     };
-    Case { name, bytes: places * (12 + 3), work: Box::new(work) }
+    Case::new(name, places * (12 + 3), work)
 }

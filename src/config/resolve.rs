@@ -168,7 +168,15 @@ impl Config {
         }
     }
 
-    /// Compression of the percept's files; `auto` is ZIP, which every program reads.
+    /// Compression of the percept's files. `auto` is ZIP, which every program reads, and of the codes that lose
+    /// nothing the one to prefer by measurement: nearly the smallest, and written almost as fast as bare samples.
+    /// A 1080p half RGB frame with two per cent of noise, on one core (`cargo bench --bench against_copy -- 2 EXR`):
+    ///
+    /// | code | none | rle | zips | zip | piz |
+    /// |---|---|---|---|---|---|
+    /// | share of the bytes | 100 % | 55 % | 38 % | 38 % | 35 % |
+    /// | written in | 17 ms | 35 ms | 36 ms | 22 ms | 85 ms |
+    /// | read in | 7 ms | 14 ms | 38 ms | 29 ms | 80 ms |
     pub fn compression(&self) -> Result<Compression> {
         match self.settings.output.compression.as_str() {
             "auto" => Ok(Compression::Zip),

@@ -4,13 +4,14 @@
 //! * Which files: `sequence`, with `pattern` and `range`.
 //! * Footage from files, any format: `footage`; one format each: `exr_*`, `radiance`, `displayed`, `envi*`.
 //! * What channels mean: `names`, `channels`. What is wrong with samples: `census`.
-//! * Files out: `written` with `zip`; whole or not at all: [`atomic`].
+//! * Files out: `written` with `zip`, `deflate` and `huffman`; whole or not at all: [`atomic`].
 //! * What a file holds, for people: `inspect*`, `exr_description`.
 
 pub mod atomic;
 pub mod builtin;
 mod census;
 mod channels;
+mod deflate;
 mod displayed;
 mod envi;
 mod envi_header;
@@ -20,6 +21,7 @@ mod exr_file;
 mod exr_picture;
 mod exr_rows;
 mod footage;
+mod huffman;
 mod inspect;
 mod inspect_text;
 mod names;

@@ -1,34 +1,30 @@
 //! The ZIP code of OpenEXR: bytes of even and of odd place apart, differences of neighbours, deflate.
 //!
-//! Technical Introduction to OpenEXR, "Data Compression". Deflate codes single bytes only (Huffman, no matches):
-//! after the differences there is little left to match, and it is several times faster.
+//! Technical Introduction to OpenEXR, "Data Compression".
 
-use zlib_rs::{DeflateConfig, ReturnCode, Strategy, compress_bound, compress_slice};
+use crate::frames::deflate::{LONGEST_SEGMENT, deflated};
 
 /// Compresses one block; the block itself where that is not smaller, as the format asks.
 pub(super) fn compressed(block: Vec<u8>) -> Vec<u8> {
-    let differences = differences(&block);
-    let mut packed = vec![0; compress_bound(differences.len())];
-    let config = DeflateConfig { level: 6, strategy: Strategy::HuffmanOnly, ..DeflateConfig::default() };
-    let (written, code) = compress_slice(&mut packed, &differences, config);
-    let length = written.len();
-    if code != ReturnCode::Ok || length >= block.len() {
-        return block;
-    }
-    packed.truncate(length);
-    packed
+    // Low and high bytes of halves have little in common: no segment holds both.
+    let half = block.len().div_ceil(2);
+    let segments = half.div_ceil(LONGEST_SEGMENT).max(1);
+    let packed = deflated(&differences(&block), half.div_ceil(segments));
+    if packed.len() < block.len() { packed } else { block }
 }
 
 /// Even bytes, then odd bytes, each less its left neighbour plus 128 (modulo 256); the first stays.
 fn differences(block: &[u8]) -> Vec<u8> {
-    let pairs = block.as_chunks::<2>();
+    let (pairs, single) = block.as_chunks();
+    let pairs = pairs.iter().copied().map(u16::from_le_bytes);
     let mut apart = Vec::with_capacity(block.len());
-    apart.extend(pairs.0.iter().map(|pair| pair[0]));
-    apart.extend(pairs.1);
-    apart.extend(pairs.0.iter().map(|pair| pair[1]));
+    apart.extend(pairs.clone().map(|pair| pair as u8));
+    apart.extend(single);
+    apart.extend(pairs.map(|pair| (pair >> 8) as u8));
+    let neighbours = apart.iter().zip(apart.iter().skip(1));
     let mut differences = Vec::with_capacity(block.len());
     differences.extend(apart.first());
-    differences.extend(apart.windows(2).map(|pair| pair[1].wrapping_sub(pair[0]).wrapping_add(128)));
+    differences.extend(neighbours.map(|(left, here)| here.wrapping_sub(*left).wrapping_add(128)));
     differences
 }
 
