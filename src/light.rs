@@ -7,6 +7,7 @@
 //! * Spectral light is never held whole. Each block of rows is projected as it is decoded by a [`Projection`]
 //!   onto the few inner products that the retina and the percept need; those are the planes.
 
+use std::ops::Range;
 use std::sync::{Arc, Mutex};
 
 use half::f16;
@@ -53,6 +54,20 @@ impl Planes {
         match &self.samples {
             Samples::Half(v) => Row::Half(&v[y * n..][..n]),
             Samples::Float(v) => Row::Float(&v[y * n..][..n]),
+        }
+    }
+
+    /// A run of plane `i` in row `y` as single floats, converted into `room` where it is stored as half.
+    pub fn run<'a>(&'a self, i: usize, y: usize, run: Range<usize>, room: &'a mut [f32]) -> &'a [f32] {
+        let plane = i * self.width;
+        let run = plane + run.start..plane + run.end;
+        match self.row(y) {
+            Row::Float(row) => &row[run],
+            Row::Half(row) => {
+                let room = &mut room[..run.len()];
+                kernel::widen(&row[run], room);
+                room
+            }
         }
     }
 

@@ -7,8 +7,11 @@ use pulp::{Simd, WithSimd};
 
 use super::{Strip, ask_for, vectorised};
 
-/// Sums that are carried at once: five and the light, twice, fill the registers of the smaller processors.
-const GROUP: usize = 5;
+/// Sums that are carried at once where there are 32 registers: they, the light and a product.
+const GROUP: usize = 15;
+
+/// Sums that are carried at once, over two vectors of light, where there are sixteen registers or few sums are left.
+const PART: usize = 5;
 
 /// How far ahead a run is asked for, in samples.
 const AHEAD: usize = 96;
@@ -53,66 +56,66 @@ impl WithSimd for Project<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Project { sums, light, out } = self;
-        let width = light.width();
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        let width = self.light.width();
         let pair = 2 * S::F32_LANES;
-        // The last pair overlaps the one before: each place is summed alike wherever it stands in a vector.
-        let last = width.saturating_sub(pair);
-        let starts = (0..last).step_by(pair).chain((width >= pair).then_some(last));
-        for at in starts {
-            for (g, group) in sums.groups.iter().enumerate() {
-                let totals = pair_of_vectors(simd, group, light, at, g == 0);
-                for (row, total) in (g * GROUP..sums.rows).zip(totals) {
-                    let out = &mut out[row * width + at..][..pair];
-                    let (vectors, _) = S::as_mut_simd_f32s(out);
-                    vectors.copy_from_slice(&total);
-                }
-            }
+        if width < pair && S::F32_LANES > 1 {
+            return self.with_simd(pulp::Scalar);
         }
-        for at in 0..if width < pair { width } else { 0 } {
-            for (g, group) in sums.groups.iter().enumerate() {
-                for row in g * GROUP..sums.rows.min((g + 1) * GROUP) {
-                    out[row * width + at] = one_place(group, light, at, row - g * GROUP);
-                }
-            }
+        if width < pair {
+            return (0..self.sums.rows).step_by(PART).for_each(|from| self.add::<S, PART, 1>(simd, from, 0));
         }
+        // Pair after pair; the last one overlaps the one before: each place is summed alike wherever it stands in a vector.
+        for at in (0..width - pair).step_by(pair) {
+            self.pair(simd, at);
+        }
+        self.pair(simd, width - pair);
     }
 }
 
-#[inline(always)]
-fn pair_of_vectors<S: Simd>(
-    simd: S,
-    group: &[[f32; GROUP]],
-    light: Strip<'_>,
-    at: usize,
-    first: bool,
-) -> [[S::f32s; 2]; GROUP] {
-    let mut totals = [[simd.splat_f32s(0.0); 2]; GROUP];
-    for (band, weights) in group.iter().enumerate() {
-        let run = &light.plane(band)[at..][..2 * S::F32_LANES];
-        if first {
-            ask_for(run.as_ptr().wrapping_add(AHEAD));
-            ask_for(run.as_ptr().wrapping_add(AHEAD + S::F32_LANES));
-        }
-        let (vectors, _) = S::as_simd_f32s(run);
-        for i in 0..GROUP {
-            let weight = simd.splat_f32s(weights[i]);
-            for half in 0..2 {
-                totals[i][half] = simd.add_f32s(totals[i][half], simd.mul_f32s(weight, vectors[half]));
+impl Project<'_> {
+    /// All sums of two vectors of places, or of as many as there are.
+    #[inline(always)]
+    fn pair<S: Simd>(&mut self, simd: S, at: usize) {
+        for from in (0..self.sums.rows).step_by(GROUP) {
+            let rows = GROUP.min(self.sums.rows - from);
+            if S::REGISTER_COUNT >= 32 && rows > 2 * PART {
+                self.add::<S, GROUP, 1>(simd, from, at);
+                self.add::<S, GROUP, 1>(simd, from, at + S::F32_LANES);
+            } else {
+                for part in (0..rows).step_by(PART) {
+                    self.add::<S, PART, 2>(simd, from + part, at);
+                }
             }
         }
     }
-    totals
-}
 
-#[inline(always)]
-fn one_place(group: &[[f32; GROUP]], light: Strip<'_>, at: usize, i: usize) -> f32 {
-    let mut total = 0.0;
-    for (band, weights) in group.iter().enumerate() {
-        total += weights[i] * light.plane(band)[at];
+    /// `ROWS` sums from row `from` on, over `VECTORS` vectors of places.
+    #[inline(always)]
+    fn add<S: Simd, const ROWS: usize, const VECTORS: usize>(&mut self, simd: S, from: usize, at: usize) {
+        let (group, first) = (&self.sums.groups[from / GROUP], from % GROUP);
+        let places = VECTORS * S::F32_LANES;
+        let mut totals = [[simd.splat_f32s(0.0); VECTORS]; ROWS];
+        for (band, weights) in group.iter().enumerate() {
+            let run = &self.light.plane(band)[at..][..places];
+            if from == 0 {
+                for i in 0..VECTORS {
+                    ask_for(run.as_ptr().wrapping_add(AHEAD + i * S::F32_LANES));
+                }
+            }
+            let light = S::as_simd_f32s(run).0;
+            for (totals, &weight) in totals.iter_mut().zip(&weights[first..][..ROWS]) {
+                for (total, &light) in totals.iter_mut().zip(light) {
+                    *total = simd.add_f32s(*total, simd.mul_f32s(simd.splat_f32s(weight), light));
+                }
+            }
+        }
+        let width = self.light.width();
+        for (row, totals) in (from..self.sums.rows).zip(totals) {
+            let out = &mut self.out[row * width + at..][..places];
+            S::as_mut_simd_f32s(out).0.copy_from_slice(&totals);
+        }
     }
-    total
 }
 
 #[cfg(test)]

@@ -42,9 +42,8 @@ impl PerceptForm {
         let to_powers = powers_of_levels();
         let single = |m: &Matrix| m.map(|row| row.map(|v| v as f32));
         let cubic = |h: &[f64; 4]| to_powers.map(|row| row.iter().zip(h).map(|(v, h)| v * h).sum::<f64>() as f32);
-        let of_rgb = |k: usize, plane: usize| {
-            cubic(&[0, 1, 2, 3].map(|j| vision.moment_weights(k * LEVELS.len() + j)[plane]))
-        };
+        let of_rgb =
+            |k: usize, plane: usize| cubic(&[0, 1, 2, 3].map(|j| vision.moment_weights(k * LEVELS.len() + j)[plane]));
         PerceptForm {
             reception: if vision.returns_its_light() {
                 Reception::Rgb([0, 1, 2].map(|k| [0, 1, 2].map(|plane| of_rgb(k, plane))))

@@ -1,11 +1,13 @@
 //! Luminance: around the gaze and over the picture, for the pupil, and of every cell, for the display.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use super::Viewer;
 use crate::display::{Cells, Survey};
 use crate::eye::Adapting;
-use crate::kernel::{self, Strip};
+use crate::kernel::{self, Strip, TILE};
 use crate::light::Planes;
 use crate::percept::Vision;
 use crate::units::{Degrees, Nits};
@@ -20,26 +22,48 @@ impl Viewer {
 
     /// Mean luminance of the pixels whose centres lie in the fovea; the nearest pixel if none does.
     fn foveal_mean(&self, planes: &Planes, gaze: [f64; 2]) -> f64 {
-        let weights = &self.vision.luminance;
-        let luminance = |x: usize, y: usize| {
-            let sum: f64 =
-                weights.iter().enumerate().filter(|(_, w)| **w != 0.0).map(|(i, w)| w * planes.at(x, y, i)).sum();
-            sum.max(0.0)
-        };
-        let (mut sum, mut count) = (0.0, 0u32);
-        for [x, y] in self.fovea(planes.width, planes.height, gaze) {
-            sum += luminance(x, y);
-            count += 1;
+        let (mut sum, mut count) = (0.0, 0);
+        let (mut room, mut luminances) = ([0.0; TILE], [0.0; TILE]);
+        for (y, columns) in self.foveal_rows(planes.width, planes.height, gaze) {
+            for from in columns.clone().step_by(TILE) {
+                let run = from..columns.end.min(from + TILE);
+                let luminances = &mut luminances[..run.len()];
+                self.luminances(planes, y, run, &mut room, luminances);
+                sum += luminances.iter().map(|v| v.max(0.0)).sum::<f64>();
+                count += luminances.len();
+            }
         }
         if count > 0 {
-            return sum / f64::from(count);
+            return sum / count as f64;
         }
         let nearest = |v: f64, n: usize| (v.round().max(0.0) as usize).min(n - 1);
-        luminance(nearest(gaze[0], planes.width), nearest(gaze[1], planes.height))
+        let (x, y) = (nearest(gaze[0], planes.width), nearest(gaze[1], planes.height));
+        self.luminances(planes, y, x..x + 1, &mut room, &mut luminances[..1]);
+        luminances[0].max(0.0)
+    }
+
+    /// Luminances of a run of pixels, cd/m2.
+    fn luminances(&self, planes: &Planes, y: usize, run: Range<usize>, room: &mut [f32; TILE], out: &mut [f64]) {
+        out.fill(0.0);
+        for (i, &weight) in self.vision.luminance.iter().enumerate().filter(|(_, w)| **w != 0.0) {
+            for (sum, &sample) in out.iter_mut().zip(planes.run(i, y, run.clone(), room)) {
+                *sum += weight * f64::from(sample);
+            }
+        }
     }
 
     /// The pixels of a picture whose centres lie within the fovea around a gaze.
     pub fn fovea(&self, width: usize, height: usize, gaze: [f64; 2]) -> impl Iterator<Item = [usize; 2]> {
+        self.foveal_rows(width, height, gaze).flat_map(|(y, columns)| columns.map(move |x| [x, y]))
+    }
+
+    /// The same, row by row.
+    fn foveal_rows(
+        &self,
+        width: usize,
+        height: usize,
+        gaze: [f64; 2],
+    ) -> impl Iterator<Item = (usize, Range<usize>)> + use<> {
         let Degrees(across) = self.vision.observer.fovea;
         let radius = across / 2.0 * self.pixels_per_degree;
         let span = move |centre: f64, n: usize| {
@@ -51,9 +75,11 @@ impl Viewer {
             let (dx, dy) = (x as f64 - gaze[0], y as f64 - gaze[1]);
             dx * dx + dy * dy <= radius * radius
         };
-        span(gaze[1], height)
-            .flat_map(move |y| span(gaze[0], width).map(move |x| [x, y]))
-            .filter(move |&[x, y]| inside(x, y))
+        span(gaze[1], height).filter_map(move |y| {
+            let first = span(gaze[0], width).find(|&x| inside(x, y))?;
+            let last = span(gaze[0], width).rfind(|&x| inside(x, y))?;
+            Some((y, first..last + 1))
+        })
     }
 }
 

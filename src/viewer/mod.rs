@@ -46,6 +46,8 @@ pub struct Viewer {
     /// What may be left out.
     pub plan: Plan,
     form: PerceptForm,
+    /// Moments of the light around the picture at 1 cd/m2.
+    around: Vec<f64>,
     fields: Vec<f32>,
 }
 
@@ -65,7 +67,7 @@ impl Viewer {
     /// A viewer of pictures of this size; the retina must have it too.
     pub fn new(vision: Vision, pigments: [Kinetics; 3], model: Model, retina: Retina, pixels_per_degree: f64) -> Self {
         let pupil = Pupil::new(vision.observer.pupil, vision.observer.dynamics);
-        let form = PerceptForm::new(&vision);
+        let (form, around) = (PerceptForm::new(&vision), vision.equal_energy_moments());
         Viewer {
             vision,
             pigments,
@@ -77,6 +79,7 @@ impl Viewer {
             first_gaze: None,
             plan: Plan::new(None),
             form,
+            around,
             fields: Vec::new(),
         }
     }
@@ -216,13 +219,14 @@ impl Viewer {
     fn illuminate(&mut self, glance: &Glance<'_>) -> Census {
         let planes = glance.planes;
         self.fields.resize(3 * planes.width * planes.height, 0.0);
-        let rows = self.fields.par_chunks_exact_mut(3 * planes.width).enumerate().map_init(Room::new, |room, (y, td)| {
-            for (from, width) in glance.sight.tiles(planes.row(y), planes.width) {
-                let light = glance.sight.light(planes.row(y), from, width, &mut room.light);
-                glance.sight.illuminance(light, [from, y], thirds(td).map(|td| &mut td[from..from + width]));
-            }
-            Census::of_light(thirds(td).map(|td| kernel::greatest(td)))
-        });
+        let rows =
+            self.fields.par_chunks_exact_mut(3 * planes.width).enumerate().map_init(Room::new, |room, (y, td)| {
+                for (from, width) in glance.sight.tiles(planes.row(y), planes.width) {
+                    let light = glance.sight.light(planes.row(y), from, width, &mut room.light);
+                    glance.sight.illuminance(light, [from, y], thirds(td).map(|td| &mut td[from..from + width]));
+                }
+                Census::of_light(thirds(td).map(|td| kernel::greatest(td)))
+            });
         rows.reduce(|| Census::EMPTY, Census::and)
     }
 
@@ -258,9 +262,8 @@ impl Viewer {
 
     /// Cone illuminance of the light around the picture, an equal-energy spectrum, td.
     fn surround_illuminance(&self, pupil: Millimetres) -> [f64; 3] {
-        let moments = self.vision.equal_energy_moments();
         let weights = self.vision.illuminance_weights(pupil, Millimetres(f64::INFINITY));
-        self.vision.illuminance(&moments, &weights).map(|td| td * self.surround.0)
+        self.vision.illuminance(&self.around, &weights).map(|td| td * self.surround.0)
     }
 
     /// Cone illuminance of one point of a picture, td.
