@@ -65,8 +65,8 @@ impl Advance {
         }
     }
 
-    /// Moves a run of one cone class's pigment by a run of its light, td.
-    pub fn cone(&self, cone: usize, light: &[f32], p: &mut [f64]) {
+    /// Moves a run of one cone class's pigment by a run of its light, td. Returns the least of it.
+    pub fn cone(&self, cone: usize, light: &[f32], p: &mut [f64]) -> f64 {
         let pigment = &self.pigments[cone];
         match self.model {
             Model::Unbleached => {}
@@ -74,10 +74,11 @@ impl Advance {
                 kernel::steady(FirstOrderForm::new(pigment, self.duration), light, p);
             }
             Model::Tracked { method, .. } if pigment.law == Law::FirstOrder && method.name == "exact" => {
-                kernel::relax(FirstOrderForm::new(pigment, self.duration), light, p);
+                return kernel::relax(FirstOrderForm::new(pigment, self.duration), light, p);
             }
             _ => p.iter_mut().zip(light).for_each(|(p, &td)| *p = self.place(pigment, *p, f64::from(td))),
         }
+        kernel::least(p)
     }
 
     /// Moves one pigment at one place: the scalar path of every law and method.

@@ -8,7 +8,8 @@
 //!
 //! Both are Lagrange's cubic through the levels 0, 1/4, 3/4, 1. Where all three p are 1 the light itself is
 //! returned: RGB as it came in, moments as their catch at p = 1. (p counts as 1 where it is nearer to 1 than to any
-//! other f32.) Written out in vectors; the places that fill none are done one by one, by the same sums.
+//! other f32.) Written out in vectors, of
+//! which the last may overlap the one before.
 
 use std::ops::Range;
 
@@ -102,9 +103,12 @@ impl WithSimd for Percept<'_> {
             }
         }
         let [r, g, b] = seen;
-        let whole = light.width() / S::F32_LANES * S::F32_LANES;
-        look(simd, form, light, 0..whole, &single, [&mut *r, &mut *g, &mut *b]);
-        look(pulp::Scalar, form, light, whole..light.width(), &single, [r, g, b]);
+        let (width, lanes) = (light.width(), S::F32_LANES);
+        if width < lanes {
+            return look(pulp::Scalar, form, light, 0..width, &single, [r, g, b]);
+        }
+        look(simd, form, light, 0..width / lanes * lanes, &single, [&mut *r, &mut *g, &mut *b]);
+        look(simd, form, light, width - lanes..width, &single, [r, g, b]);
     }
 }
 

@@ -43,7 +43,7 @@ impl FirstOrderForm {
     }
 
     #[inline(always)]
-    fn bleaches_little(self, light: &[f32]) -> bool {
+    fn bleaches_little(self, light: &[f32; SPAN]) -> bool {
         light.iter().fold(true, |all, &light| all & (light <= self.little))
     }
 
@@ -74,28 +74,45 @@ struct Relax<'a> {
     p: &'a mut [f64],
 }
 
-/// Advances unbleached fractions under the light of one step, td.
-pub fn relax(form: FirstOrderForm, light: &[f32], p: &mut [f64]) {
-    vectorised(Relax { form, light, p });
+/// Advances unbleached fractions under the light of one step, td. Returns the least of them.
+pub fn relax(form: FirstOrderForm, light: &[f32], p: &mut [f64]) -> f64 {
+    vectorised(Relax { form, light, p })
 }
 
 impl WithSimd for Relax<'_> {
-    type Output = ();
+    type Output = f64;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
+    fn with_simd<S: Simd>(self, simd: S) -> f64 {
         let ((spans, rest), (light, light_rest)) = (self.p.as_chunks_mut::<SPAN>(), self.light.as_chunks::<SPAN>());
+        let mut least = simd.splat_f64s(1.0);
         for (p, light) in spans.iter_mut().zip(light) {
             for line in (0..SPAN).step_by(8) {
                 ask_for(p.as_ptr().wrapping_add(TILE + line));
             }
-            if self.form.bleaches_little(light) {
-                relax_little(simd, self.form, light, p);
-            } else {
-                relax_any(self.form, light, p);
-            }
+            relax_span(simd, self.form, light, p, &mut least);
         }
-        relax_any(self.form, light_rest, rest);
+        if !rest.is_empty() {
+            // What is left is filled up with whole pigment in the dark.
+            let (mut dark, mut whole) = ([0.0; SPAN], [1.0; SPAN]);
+            dark[..rest.len()].copy_from_slice(light_rest);
+            whole[..rest.len()].copy_from_slice(rest);
+            relax_span(simd, self.form, &dark, &mut whole, &mut least);
+            rest.copy_from_slice(&whole[..rest.len()]);
+        }
+        simd.reduce_min_f64s(least)
+    }
+}
+
+#[inline(always)]
+fn relax_span<S: Simd>(simd: S, form: FirstOrderForm, light: &[f32; SPAN], p: &mut [f64; SPAN], least: &mut S::f64s) {
+    if form.bleaches_little(light) {
+        relax_little(simd, form, light, p);
+    } else {
+        relax_any(form, light, p);
+    }
+    for &p in S::as_simd_f64s(p).0 {
+        *least = simd.min_f64s(*least, p);
     }
 }
 
@@ -130,7 +147,7 @@ fn relax_little<S: Simd>(simd: S, form: FirstOrderForm, light: &[f32; SPAN], p: 
 }
 
 #[inline(always)]
-fn relax_any(form: FirstOrderForm, light: &[f32], p: &mut [f64]) {
+fn relax_any(form: FirstOrderForm, light: &[f32; SPAN], p: &mut [f64; SPAN]) {
     for (p, &light) in p.iter_mut().zip(light) {
         *p = form.relaxed(light, *p);
     }

@@ -5,7 +5,7 @@ use std::ops::Range;
 use pulp::{Simd, WithSimd};
 
 use super::decay::decay;
-use super::{Strip, TILE, vectorised};
+use super::{Strip, TILE, greatest, vectorised};
 
 struct Combine<'a> {
     light: Strip<'a>,
@@ -20,15 +20,18 @@ pub fn combine(light: Strip<'_>, weights: &[f32], out: &mut [f32]) {
     vectorised(Combine { light, weights, out, floored: false });
 }
 
-/// Cone illuminance of a run, td: a linear form of the planes for each cone, never negative.
-pub fn illuminance(light: Strip<'_>, weights: &[Vec<f32>; 3], out: [&mut [f32]; 3]) {
+/// Cone illuminance of a run, td: a linear form of the planes for each cone, never negative. Returns the greatest.
+pub fn illuminance(light: Strip<'_>, weights: &[Vec<f32>; 3], out: [&mut [f32]; 3]) -> [f32; 3] {
     if let [[r0, g0, b0], [r1, g1, b1], [r2, g2, b2]] = weights.each_ref().map(Vec::as_slice) {
         let weights = [[*r0, *g0, *b0], [*r1, *g1, *b1], [*r2, *g2, *b2]];
         return vectorised(OfRgb { light, weights, out });
     }
-    for (weights, out) in weights.iter().zip(out) {
-        vectorised(Combine { light, weights, out, floored: true });
+    let mut most = [0.0; 3];
+    for ((weights, out), most) in weights.iter().zip(out).zip(&mut most) {
+        vectorised(Combine { light, weights, out: &mut *out, floored: true });
+        *most = greatest(out);
     }
+    most
 }
 
 /// The illuminance of RGB light, all cones at once.
@@ -39,36 +42,45 @@ struct OfRgb<'a> {
 }
 
 impl WithSimd for OfRgb<'_> {
-    type Output = ();
+    type Output = [f32; 3];
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let OfRgb { light, weights, out: [l, m, s] } = self;
-        let whole = light.width() / S::F32_LANES * S::F32_LANES;
-        of_rgb(simd, light, 0..whole, &weights, [&mut *l, &mut *m, &mut *s]);
-        of_rgb(pulp::Scalar, light, whole..light.width(), &weights, [l, m, s]);
+    fn with_simd<S: Simd>(self, simd: S) -> [f32; 3] {
+        let OfRgb { light, weights, out } = self;
+        let (width, lanes) = (light.width(), S::F32_LANES);
+        let mut most = [0.0; 3];
+        for ((weights, out), most) in weights.iter().zip(out).zip(&mut most) {
+            *most = if width < lanes {
+                of_rgb(pulp::Scalar, light, 0..width, weights, out)
+            } else {
+                // The last vector may overlap the one before.
+                let last = of_rgb(simd, light, width - lanes..width, weights, out);
+                last.max(of_rgb(simd, light, 0..width / lanes * lanes, weights, out))
+            };
+        }
+        most
     }
 }
 
-/// Three sums over a range of whole vectors.
+/// One cone's illuminance over a range of whole vectors; returns the greatest.
 #[inline(always)]
-fn of_rgb<S: Simd>(simd: S, light: Strip<'_>, range: Range<usize>, weights: &[[f32; 3]; 3], out: [&mut [f32]; 3]) {
+fn of_rgb<S: Simd>(simd: S, light: Strip<'_>, range: Range<usize>, weights: &[f32; 3], out: &mut [f32]) -> f32 {
     let plane = [light.plane(0), light.plane(1), light.plane(2)];
     let [r, g, b] = [
         S::as_simd_f32s(&plane[0][range.clone()]).0,
         S::as_simd_f32s(&plane[1][range.clone()]).0,
         S::as_simd_f32s(&plane[2][range.clone()]).0,
     ];
+    let [wr, wg, wb] = [simd.splat_f32s(weights[0]), simd.splat_f32s(weights[1]), simd.splat_f32s(weights[2])];
     let zero = simd.splat_f32s(0.0);
-    for (weights, out) in weights.iter().zip(out) {
-        let [wr, wg, wb] = [simd.splat_f32s(weights[0]), simd.splat_f32s(weights[1]), simd.splat_f32s(weights[2])];
-        let out = S::as_mut_simd_f32s(&mut out[range.clone()]).0;
-        for (((out, &r), &g), &b) in out.iter_mut().zip(r).zip(g).zip(b) {
-            let sum = simd.add_f32s(simd.mul_f32s(wr, r), simd.mul_f32s(wg, g));
-            let sum = simd.add_f32s(sum, simd.mul_f32s(wb, b));
-            *out = simd.select_f32s(simd.greater_than_f32s(sum, zero), sum, zero);
-        }
+    let mut most = zero;
+    for (((out, &r), &g), &b) in S::as_mut_simd_f32s(&mut out[range]).0.iter_mut().zip(r).zip(g).zip(b) {
+        let sum = simd.add_f32s(simd.mul_f32s(wr, r), simd.mul_f32s(wg, g));
+        let sum = simd.add_f32s(sum, simd.mul_f32s(wb, b));
+        *out = simd.select_f32s(simd.greater_than_f32s(sum, zero), sum, zero);
+        most = simd.max_f32s(most, *out);
     }
+    simd.reduce_max_f32s(most)
 }
 
 impl WithSimd for Combine<'_> {

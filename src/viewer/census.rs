@@ -1,7 +1,5 @@
 //! What a look met: the extremes that the trace, the warnings and the plan ask for.
 
-use crate::kernel;
-
 /// What was met at the places of the retina that the look covered.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Census {
@@ -28,11 +26,10 @@ impl Census {
         Census { greatest: greatest.map(f64::from), ..Census::EMPTY }
     }
 
-    /// What a run of places that was stepped has left.
-    pub(super) fn of_pigment(p: [&[f64]; 3]) -> Self {
-        let least = p.map(kernel::least);
+    /// What a run of places that was stepped has left: the least of each pigment, and all of S.
+    pub(super) fn of_pigment(least: [f64; 3], s: &[f64]) -> Self {
         let past_half = |&&p: &&f64| p < 0.5;
-        let s_past_half = if least[2] < 0.5 { p[2].iter().filter(past_half).count() as u64 } else { 0 };
+        let s_past_half = if least[2] < 0.5 { s.iter().filter(past_half).count() as u64 } else { 0 };
         Census { least, s_past_half, stepped: true, ..Census::EMPTY }
     }
 

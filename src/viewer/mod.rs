@@ -156,14 +156,12 @@ impl Viewer {
                     let light = sight.light(planes.row(y), from, width, room);
                     let mut p = thirds(p).map(|p| &mut p[from..from + width]);
                     if moves {
-                        sight.illuminance(light, [from, y], td.each_mut().map(|td| &mut td[..width]));
-                        let td = td.each_ref().map(|td| &td[..width]);
-                        let greatest = td.map(kernel::greatest);
+                        let greatest = sight.illuminance(light, [from, y], td.each_mut().map(|td| &mut td[..width]));
                         census = census.and(Census::of_light(greatest));
                         *left_out = rule.after(*left_out, greatest);
                         if left_out.is_infinite() {
-                            (0..3).for_each(|k| advance.cone(k, td[k], p[k]));
-                            census = census.and(Census::of_pigment(p.each_ref().map(|p| &**p)));
+                            let least = [0, 1, 2].map(|k| advance.cone(k, &td[k][..width], p[k]));
+                            census = census.and(Census::of_pigment(least, p[2]));
                         } else {
                             census = census.and(Census::of_untouched(*left_out));
                         }
@@ -207,8 +205,8 @@ impl Viewer {
                 let at = [(x0 + from as i64) as f64 + shift[0], (y0 + row as i64) as f64 + shift[1]];
                 field.resample(at, td.each_mut().map(|td| &mut td[..width]));
                 let mut p = thirds(p).map(|p| &mut p[from..from + width]);
-                (0..3).for_each(|k| advance.cone(k, &td[k][..width], p[k]));
-                census = census.and(Census::of_pigment(p.each_ref().map(|p| &**p)));
+                let least = [0, 1, 2].map(|k| advance.cone(k, &td[k][..width], p[k]));
+                census = census.and(Census::of_pigment(least, p[2]));
             }
             census
         });

@@ -78,8 +78,8 @@ impl Sight {
         Strip::whole(projected, width)
     }
 
-    /// Cone illuminance of one tile, td, whose first place is at `x`, `y` of the picture.
-    pub fn illuminance(&self, light: Strip<'_>, [x, y]: [usize; 2], td: [&mut [f32]; 3]) {
+    /// Cone illuminance of one tile, td, whose first place is at `x`, `y` of the picture. Returns the greatest.
+    pub fn illuminance(&self, light: Strip<'_>, [x, y]: [usize; 2], td: [&mut [f32]; 3]) -> [f32; 3] {
         match &self.weakening {
             Weakening::Alike(weights) => kernel::illuminance(light, weights, td),
             Weakening::ByPlace(by_place) => by_place.illuminance(light, [x, y], td),
@@ -88,20 +88,22 @@ impl Sight {
 }
 
 impl ByPlace {
-    fn illuminance(&self, light: Strip<'_>, [x, y]: [usize; 2], td: [&mut [f32]; 3]) {
+    fn illuminance(&self, light: Strip<'_>, [x, y]: [usize; 2], td: [&mut [f32]; 3]) -> [f32; 3] {
         let width = light.width();
         let across = self.mm_per_pixel * (y as f64 - self.gaze[1]);
         let squares: [f64; TILE] = std::array::from_fn(|i| {
             let along = self.mm_per_pixel * ((x + i) as f64 - self.gaze[0]);
             (along * along + across * across).min(self.edge)
         });
-        let mut sums = [[0.0; TILE]; MOST_LEVELS];
-        for (levels, td) in self.levels.iter().zip(td) {
+        let (mut sums, mut most) = ([[0.0; TILE]; MOST_LEVELS], [0.0; 3]);
+        for ((levels, td), most) in self.levels.iter().zip(td).zip(&mut most) {
             for (weights, sum) in levels.iter().zip(&mut sums) {
                 kernel::combine(light, weights, &mut sum[..width]);
             }
             kernel::weaken(&self.rates, &squares, &sums, td);
+            *most = kernel::greatest(td);
         }
+        most
     }
 }
 
