@@ -193,19 +193,23 @@ impl Retina {
     }
 
     /// Makes places of their own of all that lie in the rectangle `from..=to`; they have seen only the surround.
-    pub fn cover(&mut self, from: [i64; 2], to: [i64; 2]) {
+    /// Columns are added on the left by whole tiles of `tile` places, so that none is cut anew. Returns how many
+    /// tiles and rows were added before the old ones.
+    pub fn cover(&mut self, from: [i64; 2], to: [i64; 2], tile: usize) -> [usize; 2] {
         let [width, height] = self.size();
         let last = [self.origin[0] + width as i64 - 1, self.origin[1] + height as i64 - 1];
-        let first = [0, 1].map(|i| from[i].min(self.origin[i]));
+        let missing = [0, 1].map(|i| (self.origin[i] - from[i]).max(0) as usize);
+        let [tiles, y] = [missing[0].div_ceil(tile), missing[1]];
+        let x = tiles * tile;
+        let first = [self.origin[0] - x as i64, self.origin[1] - y as i64];
         let end = [0, 1].map(|i| to[i].max(last[i]));
-        if first == self.origin && end == last {
-            return;
+        if first != self.origin || end != last {
+            let [w, h] = [0, 1].map(|i| (end[i] - first[i] + 1) as usize);
+            let mut grown = Array3::from_shape_fn((h, 3, w), |(_, k, _)| self.beyond[k]);
+            grown.slice_mut(s![y..y + height, .., x..x + width]).assign(&self.p);
+            (self.p, self.origin) = (grown, first);
         }
-        let [w, h] = [0, 1].map(|i| (end[i] - first[i] + 1) as usize);
-        let mut grown = Array3::from_shape_fn((h, 3, w), |(_, k, _)| self.beyond[k]);
-        let [x, y] = [0, 1].map(|i| (self.origin[i] - first[i]) as usize);
-        grown.slice_mut(s![y..y + height, .., x..x + width]).assign(&self.p);
-        (self.p, self.origin) = (grown, first);
+        [tiles, y]
     }
 
     /// Moves the places that no picture has covered by the surround's light, td.
@@ -229,8 +233,8 @@ mod tests {
         retina.rows_mut().for_each(|row| advance.row(&[1e6; 6], row));
         retina.advance_beyond(&advance, [1e4; 3]);
         let (inside, outside) = (retina.at([1, 0]), retina.beyond());
-        retina.cover([-1, 0], [1, 2]);
-        assert_eq!(retina.size(), [3, 3]);
+        assert_eq!(retina.cover([-1, 0], [1, 2], 4), [1, 0]);
+        assert_eq!(retina.size(), [6, 3]);
         assert_eq!(retina.at([1, 0]), inside);
         assert_eq!(retina.at([-1, 2]), outside);
         assert!(inside[0] < outside[0] && outside[0] < 1.0);

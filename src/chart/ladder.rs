@@ -86,13 +86,11 @@ fn climb(scene: &Scene) -> Vec<Rung> {
     let truth = full(scene);
     let (auto, plan) = seen(scene, tracked(), Plan::new(Some(BUDGET)));
     let chosen = plan.name(tracked());
-    // A budget without end leaves everything out and says what that may cost.
-    let (_, everything_out) = seen(scene, tracked(), Plan::new(Some(f64::MAX)));
     let mut rungs = Vec::new();
     for model in [Model::Unbleached, Model::Steady, tracked()] {
         let (ours, asked) = seen(scene, model, Plan::new(None));
         let bound = match model {
-            Model::Unbleached => everything_out.bound(tracked(), &pigments()),
+            Model::Unbleached => plan.bound_of_none(&pigments()),
             model => asked.bound(model, &pigments()),
         };
         rungs.push(rung(model.name(), &ours, &truth, bound, chosen));

@@ -25,20 +25,26 @@ pub fn command(path: &Path, common: &Common) -> Result<ExitCode> {
 
 /// The plan as lines that a person can check.
 fn in_words(plan: &Value) -> String {
-    let bound = |value: &Value| value.as_f64().map_or("not bounded".into(), |v| format!("{v:.1e}"));
+    let bound = |value: &Value| value.as_f64().map_or("no limit".into(), |v| format!("{v:.1e}"));
     let (tiles, tracked) = (plan["tiles"].as_u64().unwrap_or(0), plan["tiles_tracked"].as_u64().unwrap_or(0));
     let cost = |what: &str| plan["cost_ms_per_megapixel_frame"][what].as_f64().unwrap_or(0.0);
     let mut lines = vec![
         format!("{} over {} frames", plan["model"].as_str().unwrap_or(""), plan["frames"]),
         format!("  {tracked} of {tiles} tiles modelled, {} left untouched", tiles - tracked),
+        "  taken  at most  ns/place".into(),
     ];
     for term in plan["terms"].as_array().into_iter().flatten() {
-        lines.push(format!("  {:<12} {}", bound(&term["bound"]), term["what"].as_str().unwrap_or("")));
+        let taken = if term["chosen"] == true { "yes" } else { "no" };
+        let cost = term["cost_ns_per_place"].as_f64().map_or(String::new(), |ns| ns.to_string());
+        let [what, why] = ["what", "why"].map(|key| term[key].as_str().unwrap_or(""));
+        lines.push(format!("  {taken:<5}  {:<8} {cost:>8}  {what}: {why}", bound(&term["bound"])));
     }
     lines.push(match plan["budget"].as_f64() {
-        Some(budget) => format!("  {:<12} together, of a budget of {budget:.1e}", bound(&plan["bound_total"])),
+        Some(budget) => {
+            format!("  taken together: at most {}, of a budget of {budget:.1e}", bound(&plan["bound_total"]))
+        }
         None => {
-            format!("  {:<12} together; numerics.model = \"auto\" would keep a budget", bound(&plan["bound_total"]))
+            format!("  taken together: {}; numerics.model = \"auto\" would keep a budget", bound(&plan["bound_total"]))
         }
     });
     lines.push(format!("  a frame of a megapixel: {:.1} ms to read, {:.1} ms to see", cost("reading"), cost("seeing")));

@@ -7,7 +7,7 @@ use super::vectorised;
 const LANES: usize = 16;
 
 struct Greatest<'a>(&'a [f32]);
-struct Least<'a>(&'a [f64]);
+struct Least<'a, T>(&'a [T], T);
 
 /// The greatest of a run of illuminances; 0 for none.
 pub fn greatest(run: &[f32]) -> f32 {
@@ -16,7 +16,12 @@ pub fn greatest(run: &[f32]) -> f32 {
 
 /// The least of a run of fractions; infinity for none.
 pub fn least(run: &[f64]) -> f64 {
-    vectorised(Least(run))
+    vectorised(Least(run, f64::INFINITY))
+}
+
+/// The least of a run of illuminances; infinity for none.
+pub fn dimmest(run: &[f32]) -> f32 {
+    vectorised(Least(run, f32::INFINITY))
 }
 
 impl WithSimd for Greatest<'_> {
@@ -44,19 +49,20 @@ pub(super) fn greatest_of(run: &[f32]) -> f32 {
     greatest
 }
 
-impl WithSimd for Least<'_> {
-    type Output = f64;
+impl<T: Copy + PartialOrd> WithSimd for Least<'_, T> {
+    type Output = T;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> f64 {
-        let mut lanes = [f64::INFINITY; LANES];
-        let (whole, rest) = self.0.as_chunks::<LANES>();
+    fn with_simd<S: Simd>(self, _: S) -> T {
+        let Least(run, most) = self;
+        let mut lanes = [most; LANES];
+        let (whole, rest) = run.as_chunks::<LANES>();
         for chunk in whole {
             for i in 0..LANES {
                 lanes[i] = if chunk[i] < lanes[i] { chunk[i] } else { lanes[i] };
             }
         }
-        let mut least = f64::INFINITY;
+        let mut least = most;
         for &v in lanes.iter().chain(rest) {
             least = if v < least { v } else { least };
         }
@@ -75,6 +81,8 @@ mod tests {
                 let light: Vec<f32> = (0..n).map(|i| if i == at { 7.0 } else { i as f32 / n as f32 }).collect();
                 let pigment: Vec<f64> = (0..n).map(|i| if i == at { 0.1 } else { 0.5 + i as f64 }).collect();
                 assert_eq!((greatest(&light), least(&pigment)), (7.0, 0.1));
+                let dim: Vec<f32> = pigment.iter().map(|&p| p as f32).collect();
+                assert_eq!(dimmest(&dim), 0.1);
             }
         }
         assert_eq!((greatest(&[]), least(&[])), (0.0, f64::INFINITY));

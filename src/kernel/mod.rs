@@ -17,7 +17,7 @@ mod sums;
 
 pub use bands::BandSums;
 pub use decay::{ERROR, LONGEST, decay, mean_decay_short};
-pub use extremes::{greatest, least};
+pub use extremes::{dimmest, greatest, least};
 pub use halves::{narrow, widen};
 pub use percept::{PerceptForm, percept};
 pub use pigment::{FirstOrderForm, relax, steady};
@@ -103,11 +103,15 @@ impl<'a> Strip<'a> {
     }
 }
 
-/// Cuts a row into tiles whose `planes` fit a [`Room`]: where each begins and how wide it is.
-pub fn tiles(planes: usize, width: usize) -> impl Iterator<Item = (usize, usize)> {
+/// The most places of a tile whose `planes` fit a [`Room`].
+pub fn tile(planes: usize) -> usize {
     let fitting = ROOM / planes.max(1);
-    let step = if fitting >= LANES { fitting / LANES * LANES } else { fitting.max(1) }.min(TILE);
-    (0..width).step_by(step).map(move |from| (from, step.min(width - from)))
+    if fitting >= LANES { fitting / LANES * LANES } else { fitting.max(1) }.min(TILE)
+}
+
+/// Cuts a row into tiles of at most `tile` places: where each begins and how wide it is.
+pub fn tiles(tile: usize, width: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..width).step_by(tile).map(move |from| (from, tile.min(width - from)))
 }
 
 /// Tiles are whole multiples of this where they can be: two of the longest vectors.

@@ -93,7 +93,7 @@ pub fn survey(vision: &Vision, planes: &Planes, pixels_per_degree: f64) -> Surve
             || (vec![0.0; planes.width], [0.0; kernel::ROOM]),
             |(luminance, room), y| {
                 let row = planes.row(y);
-                for (from, width) in kernel::tiles(planes.count, planes.width) {
+                for (from, width) in kernel::tiles(kernel::tile(planes.count), planes.width) {
                     let light = Strip::of(row, planes.count, from, width, room);
                     kernel::combine(light, &weights, &mut luminance[from..from + width]);
                 }

@@ -12,6 +12,7 @@ mod checked;
 mod field;
 mod fovea;
 mod sight;
+mod tile;
 
 use rayon::prelude::*;
 
@@ -107,14 +108,15 @@ impl Viewer {
         };
         let half = matches!(planes.samples, Samples::Half(_)) && self.vision.returns_its_light();
         let mut seen = canvas(recycled, planes, half);
-        let per_row = glance.sight.tiles(planes.row(0), planes.width).count();
+        let per_row = self.retina.size()[0].div_ceil(glance.sight.tile());
         let rested = || self.retina.fractions().iter().all(|&p| p == 1.0);
-        self.plan.open(per_row * planes.height, rested, self.vision.observer.fundamentals.density());
+        let density = self.vision.observer.fundamentals.density();
+        self.plan.open(per_row, self.retina.size()[1], rested, density);
         let census = match &mut seen.samples {
             Samples::Half(seen) => self.rows(&glance, seen),
             Samples::Float(seen) => self.rows(&glance, seen),
         };
-        self.plan.note(census.untouched, census.stepped, glance.model, &self.pigments, duration);
+        self.plan.note(census.left_out, census.greatest, glance.model, &self.pigments, duration);
         Look { seen, adapting: adapting.fovea, pupil, shift, census }
     }
 
@@ -144,27 +146,21 @@ impl Viewer {
         let (planes, sight) = (glance.planes, &glance.sight);
         let moves = !matches!(advance.model, Model::Unbleached);
         let returns_light = vision.returns_its_light();
-        let per_row = plan.ledger.len() / planes.height;
         retina
             .par_rows_mut()
             .zip(seen.par_chunks_exact_mut(3 * planes.width))
-            .zip(plan.ledger.par_chunks_exact_mut(per_row))
+            .zip(plan.ledger.rows_mut())
             .enumerate()
             .map_init(Room::new, |Room { light: room, td, rgb }, (y, ((p, seen), ledger))| {
                 let mut census = Census::EMPTY;
-                for ((from, width), left_out) in sight.tiles(planes.row(y), planes.width).zip(ledger) {
+                for ((from, width), left_out) in sight.tiles(planes.width).zip(ledger) {
                     let light = sight.light(planes.row(y), from, width, room);
                     let mut p = thirds(p).map(|p| &mut p[from..from + width]);
                     if moves {
                         let greatest = sight.illuminance(light, [from, y], td.each_mut().map(|td| &mut td[..width]));
-                        census = census.and(Census::of_light(greatest));
-                        *left_out = rule.after(*left_out, greatest);
-                        if left_out.is_infinite() {
-                            let least = [0, 1, 2].map(|k| advance.cone(k, &td[k][..width], p[k]));
-                            census = census.and(Census::of_pigment(least, p[2]));
-                        } else {
-                            census = census.and(Census::of_untouched(*left_out));
-                        }
+                        let td = td.each_ref().map(|td| &td[..width]);
+                        let p = p.each_mut().map(|p| &mut **p);
+                        census = census.and(tile::moved(&advance, &rule, left_out, td, greatest, p));
                     }
                     let whole = left_out.is_finite() && (moves || p.iter().all(|p| kernel::least(p) == 1.0));
                     if whole && returns_light {
@@ -188,29 +184,40 @@ impl Viewer {
         let (planes, shift) = (glance.planes, glance.shift);
         let surround = self.surround_illuminance(glance.pupil);
         let met = self.illuminate(glance).and(Census { greatest: surround, ..Census::EMPTY });
-        if let Some(left_out) = self.leaves_out(glance, met.greatest) {
-            return met.and(Census::of_untouched(left_out));
-        }
         let edge = |i: usize, n: usize| [(-shift[i]).floor() as i64, (n as f64 - 1.0 - shift[i]).ceil() as i64];
         let ([left, right], [top, bottom]) = (edge(0, planes.width), edge(1, planes.height));
-        self.retina.cover([left, top], [right, bottom]);
+        let tile = glance.sight.tile();
+        self.grow([left, top], [right, bottom], tile);
         let advance = self.advance(glance);
+        let rule = self.plan.rule(&self.pigments, glance.duration);
         let around = surround.map(|v| v as f32);
         let field = Field { samples: &self.fields, width: planes.width, height: planes.height, around };
         let ([x0, y0], [places, _]) = (self.retina.origin(), self.retina.size());
-        let moved = self.retina.par_rows_mut().enumerate().map(|(row, p)| {
-            let mut td = [[0.0; TILE]; 3];
+        let rows = self.retina.par_rows_mut().zip(self.plan.ledger.rows_mut()).enumerate();
+        let moved = rows.map_init(Room::new, |Room { td, .. }, (row, (p, ledger))| {
             let mut census = Census::EMPTY;
-            for (from, width) in kernel::tiles(1, places) {
+            for ((from, width), left_out) in kernel::tiles(tile, places).zip(ledger) {
                 let at = [(x0 + from as i64) as f64 + shift[0], (y0 + row as i64) as f64 + shift[1]];
                 field.resample(at, td.each_mut().map(|td| &mut td[..width]));
-                let mut p = thirds(p).map(|p| &mut p[from..from + width]);
-                let least = [0, 1, 2].map(|k| advance.cone(k, &td[k][..width], p[k]));
-                census = census.and(Census::of_pigment(least, p[2]));
+                let td = td.each_ref().map(|td| &td[..width]);
+                let p = thirds(p).map(|p| &mut p[from..from + width]);
+                census = census.and(tile::moved(&advance, &rule, left_out, td, td.map(kernel::greatest), p));
             }
             census
         });
         met.and(moved.reduce(|| Census::EMPTY, Census::and))
+    }
+
+    /// Makes room for places that the picture covers for the first time. They may be left untouched like the others
+    /// if the surround has left their pigment whole.
+    fn grow(&mut self, from: [i64; 2], to: [i64; 2], tile: usize) {
+        let before = self.retina.size();
+        let first = self.retina.cover(from, to, tile);
+        let [width, height] = self.retina.size();
+        if [width, height] != before {
+            let whole = self.plan.is_free() && self.retina.beyond() == [1.0; 3];
+            self.plan.ledger.grow(first, [width.div_ceil(tile), height], if whole { 0.0 } else { f64::INFINITY });
+        }
     }
 
     /// Cone illuminance of the whole picture.
@@ -219,21 +226,13 @@ impl Viewer {
         self.fields.resize(3 * planes.width * planes.height, 0.0);
         let rows =
             self.fields.par_chunks_exact_mut(3 * planes.width).enumerate().map_init(Room::new, |room, (y, td)| {
-                for (from, width) in glance.sight.tiles(planes.row(y), planes.width) {
+                for (from, width) in glance.sight.tiles(planes.width) {
                     let light = glance.sight.light(planes.row(y), from, width, &mut room.light);
                     glance.sight.illuminance(light, [from, y], thirds(td).map(|td| &mut td[from..from + width]));
                 }
                 Census::of_light(thirds(td).map(|td| kernel::greatest(td)))
             });
         rows.reduce(|| Census::EMPTY, Census::and)
-    }
-
-    /// Under a moved gaze the whole retina is one tile: what may have bleached unseen, if it is left untouched.
-    fn leaves_out(&mut self, glance: &Glance<'_>, greatest: [f64; 3]) -> Option<f64> {
-        let before = self.plan.ledger.iter().copied().fold(0.0, f64::max);
-        let after = self.plan.rule(&self.pigments, glance.duration).after(before, greatest.map(|td| td as f32));
-        self.plan.ledger.fill(after);
-        after.is_finite().then_some(after)
     }
 
     /// The percept's way back: p is read at the picture's points, and the picture's own light is seen through it.
@@ -245,7 +244,7 @@ impl Viewer {
             .map_init(Room::new, |Room { light: room, rgb, .. }, (y, seen)| {
                 let mut p = [[0.0; TILE]; 3];
                 let mut census = Census::EMPTY;
-                for (from, width) in glance.sight.tiles(planes.row(y), planes.width) {
+                for (from, width) in glance.sight.tiles(planes.width) {
                     let light = glance.sight.light(planes.row(y), from, width, room);
                     let at = [from as f64 - shift[0] - x0 as f64, y as f64 - shift[1] - y0 as f64];
                     pigment.resample(at, p.each_mut().map(|p| &mut p[..width]));

@@ -1,7 +1,7 @@
 //! How the planes of a frame become cone illuminance under one pupil and gaze.
 
 use crate::kernel::{self, BandSums, ROOM, Strip, TILE};
-use crate::light::{Planes, Row};
+use crate::light::{Planes, Row, Samples};
 use crate::percept::{LEVELS, Vision};
 use crate::units::Millimetres;
 
@@ -11,6 +11,8 @@ pub(super) struct Sight {
     bands: Option<BandSums>,
     weakening: Weakening,
     planes_in: usize,
+    /// Planes of which a tile needs single floats of its own.
+    converted: usize,
 }
 
 /// How light is weakened by the place where it enters the pupil.
@@ -35,6 +37,7 @@ struct ByPlace {
 impl Sight {
     pub fn new(vision: &Vision, planes: &Planes, pupil: Millimetres, gaze: [f64; 2], pixels_per_degree: f64) -> Self {
         let held = vision.holds_bands();
+        let converted = if let Samples::Half(_) = planes.samples { planes.count } else { 0 };
         let first = 3 * LEVELS.len();
         let scale = vision.observer.directional.mm_per_degree().map(|mm| mm / pixels_per_degree);
         let single = |row: Vec<f64>| -> Vec<f32> { row.into_iter().map(|w| w as f32).collect() };
@@ -45,6 +48,7 @@ impl Sight {
                 bands: held.then(|| BandSums::new(&(0..first).map(moment).chain(weights.clone()).collect::<Vec<_>>())),
                 weakening: Weakening::Alike(if held { [0, 1, 2].map(|k| unit(first + k)) } else { weights }),
                 planes_in: planes.count,
+                converted,
             };
         };
         let rates: Vec<f64> =
@@ -61,13 +65,18 @@ impl Sight {
             bands: held.then(|| BandSums::new(&(0..vision.moment_count()).map(moment).collect::<Vec<_>>())),
             weakening: Weakening::ByPlace(ByPlace { rates, levels, gaze, mm_per_pixel, edge }),
             planes_in: planes.count,
+            converted,
         }
     }
 
+    /// The most places of a tile.
+    pub fn tile(&self) -> usize {
+        kernel::tile(self.converted + self.bands.as_ref().map_or(0, BandSums::rows))
+    }
+
     /// The tiles of a row: where each begins and how wide it is.
-    pub fn tiles(&self, row: Row<'_>, width: usize) -> impl Iterator<Item = (usize, usize)> + use<> {
-        let converted = if let Row::Half(_) = row { self.planes_in } else { 0 };
-        kernel::tiles(converted + self.bands.as_ref().map_or(0, BandSums::rows), width)
+    pub fn tiles(&self, width: usize) -> impl Iterator<Item = (usize, usize)> + use<> {
+        kernel::tiles(self.tile(), width)
     }
 
     /// The light of one tile: RGB, or the moments.
@@ -132,7 +141,7 @@ fn uniform_weights(vision: &Vision, pupil: Millimetres, k: usize) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::eye::{Directional, Observer, Reading, Steepness};
-    use crate::light::{Primaries, Samples};
+    use crate::light::Primaries;
     use crate::spectrum::Bands;
     use crate::units::Nits;
 
@@ -146,7 +155,7 @@ mod tests {
         let scale = vision.observer.directional.mm_per_degree().unwrap_or(0.0) / PIXELS_PER_DEGREE;
         let (mut room, mut td) = ([0.0; kernel::ROOM], [[0.0; TILE]; 3]);
         for y in 0..planes.height {
-            for (from, width) in sight.tiles(planes.row(y), planes.width) {
+            for (from, width) in sight.tiles(planes.width) {
                 let light = sight.light(planes.row(y), from, width, &mut room);
                 sight.illuminance(light, [from, y], td.each_mut().map(|td| &mut td[..width]));
                 for i in (0..width).rev() {

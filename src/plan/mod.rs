@@ -12,13 +12,15 @@
 //! budget each goes to that and to the sub-steps of the nonlinear laws.
 //! The bounds run along with the frames: a file is read once.
 
-use serde_json::{Value, json};
+mod ledger;
+mod terms;
 
-use crate::eye::directional;
 use crate::kinetics::{Kinetics, Law};
-use crate::percept::level_bound;
 use crate::retina::Model;
 use crate::units::{Seconds, Trolands};
+
+pub(crate) use ledger::Ledger;
+pub use terms::Term;
 
 /// Share of the budget for the bleaching of places that are left untouched.
 const UNTOUCHED: f64 = 0.5;
@@ -27,40 +29,91 @@ const UNTOUCHED: f64 = 0.5;
 pub const STEADY: f64 = 0.25;
 pub const SUBSTEPS: f64 = 0.25;
 
-/// Largest relative error of a catch from light, weights and percept in single precision.
-const SINGLE_BOUND: f64 = 1e-5;
-
-/// The greatest change of p for a change of ln I: 1/e (numerics 5.5).
-const PER_LOG_LIGHT: f64 = 0.3679;
-
 /// What is modelled of a scene, decided while its frames go by.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
     /// Largest error of p and of a catch; `None`: what was asked for is done everywhere.
     budget: Option<f64>,
-    /// For each tile the most that may have bleached unseen; infinite once the tile is tracked.
-    pub(crate) ledger: Vec<f64>,
+    /// For each tile the most that may have bleached unseen.
+    pub(crate) ledger: Ledger,
     /// The greatest peak density of a pigment, on which the levels' error depends.
     density: f64,
     met: Met,
 }
 
-/// What was left out so far, at most.
+/// What was left out so far, and what could have been.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Met {
-    untouched: f64,
-    steady: f64,
-    /// Whether some tile was stepped, and whether by following rather than by its steady state.
-    stepped: bool,
-    followed: bool,
+    left_out: LeftOut,
+    /// The most that would have bleached unseen if every tile had been left untouched.
+    everywhere: f64,
+    /// The most that a steady state would have been wrong by, had it been taken everywhere.
+    remembered: f64,
 }
 
-/// The bound of a tile, carried over one step.
+/// What was left out of some places over some time, at most.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LeftOut {
+    /// Bleached unseen in a tile that was left untouched.
+    pub untouched: f64,
+    /// Wrong, relative to p, where a steady state was taken because the step outlasts what pigment remembers.
+    pub outlasted: f64,
+    /// Whether any place was stepped, and whether by following rather than by its steady state.
+    pub stepped: bool,
+    pub followed: bool,
+}
+
+impl LeftOut {
+    /// What was left out of both.
+    pub fn and(self, other: LeftOut) -> LeftOut {
+        LeftOut {
+            untouched: self.untouched.max(other.untouched),
+            outlasted: self.outlasted.max(other.outlasted),
+            stepped: self.stepped | other.stepped,
+            followed: self.followed | other.followed,
+        }
+    }
+}
+
+/// What a plan allows over one step.
 #[derive(Clone, Copy, Debug)]
 pub struct Rule {
     per_half_bleach: [f64; 3],
     share: [f64; 3],
     allowed: f64,
+    lasting: [Lasting; 3],
+}
+
+/// From which light on a step outlasts what a pigment remembers. Relative to p, with y = (h/tau) (1 + s):
+///
+/// ```text
+/// |p1 - p_inf|/p_inf <= (1 + s) e^-y = (tau/h) y e^-y,   which falls from y = 1 on
+/// ```
+#[derive(Clone, Copy, Debug)]
+struct Lasting {
+    steps_of_tau: f64,
+    half_bleach: f64,
+    /// The least light, td; infinite where a step never does.
+    from: f64,
+}
+
+impl Lasting {
+    /// For a pigment and a step that may leave so much.
+    fn new(pigment: &Kinetics, dt: Seconds, most: f64) -> Self {
+        let steps_of_tau = dt.0 / pigment.tau.0;
+        // y = ln(y/e) settles quickly where y is large, and only there does it matter.
+        let share = most * steps_of_tau;
+        let y = (0..60).fold(1.0, |y: f64, _| (y / share).ln().max(1.0));
+        let from = ROUNDED_UP * (y / steps_of_tau - 1.0).max(0.0) * pigment.half_bleach.0;
+        let known = pigment.law == Law::FirstOrder && share > 0.0;
+        Lasting { steps_of_tau, half_bleach: pigment.half_bleach.0, from: if known { from } else { f64::INFINITY } }
+    }
+
+    /// What the steady state of such light, td, or brighter may be wrong by.
+    fn bound(self, least: f64) -> f64 {
+        let y = (self.steps_of_tau * (1.0 + least / self.half_bleach)).max(1.0);
+        y * (-y).exp() / self.steps_of_tau
+    }
 }
 
 impl Rule {
@@ -70,19 +123,31 @@ impl Rule {
         if bound.is_infinite() {
             return bound;
         }
-        let of_cone = |k: usize| {
-            let most = f64::from(greatest[k]) * self.per_half_bleach[k];
-            bound + self.share[k] * (most - bound)
-        };
-        let after = (0..3).map(of_cone).fold(0.0, f64::max);
+        let after = self.bleached(bound, greatest.map(f64::from));
         if after < self.allowed { after } else { f64::INFINITY }
+    }
+
+    fn bleached(&self, bound: f64, greatest: [f64; 3]) -> f64 {
+        let of_cone = |k: usize| bound + self.share[k] * (greatest[k] * self.per_half_bleach[k] - bound);
+        (0..3).map(of_cone).fold(0.0, f64::max)
+    }
+
+    /// Whether the steady state of cone `k` will do for a run of places, and what it costs then. `least` is asked
+    /// for only where the greatest light, td, is enough.
+    pub fn outlasts(&self, k: usize, greatest: f32, least: impl FnOnce() -> f32) -> Option<f64> {
+        let lasting = &self.lasting[k];
+        if f64::from(greatest) < lasting.from {
+            return None;
+        }
+        let least = f64::from(least());
+        (least >= lasting.from && lasting.from.is_finite()).then(|| lasting.bound(least))
     }
 }
 
 impl Plan {
     /// A plan that keeps a budget, or one that does everywhere what is asked for.
     pub fn new(budget: Option<f64>) -> Self {
-        Plan { budget, ledger: Vec::new(), density: 0.0, met: Met::default() }
+        Plan { budget, ledger: Ledger::default(), density: 0.0, met: Met::default() }
     }
 
     /// Whether it is free to choose.
@@ -90,12 +155,14 @@ impl Plan {
         self.budget.is_some()
     }
 
-    /// Opens the ledger. `rested`: whether every pigment is whole; of an eye that is not, nothing may be left out.
-    pub(crate) fn open(&mut self, tiles: usize, rested: impl FnOnce() -> bool, density: [f64; 3]) {
+    /// Opens the ledger of `rows` rows of `per_row` tiles. `rested`: whether every pigment is whole; of an eye that is
+    /// not, nothing may be left out.
+    pub(crate) fn open(&mut self, per_row: usize, rows: usize, rested: impl FnOnce() -> bool, density: [f64; 3]) {
         self.density = density.into_iter().fold(0.0, f64::max);
-        if self.ledger.len() != tiles {
-            let known = self.ledger.is_empty() && rested();
-            self.ledger = vec![if known { 0.0 } else { f64::INFINITY }; tiles];
+        if self.ledger.bounds().is_empty() {
+            let known = rested();
+            self.met.everywhere = if known { 0.0 } else { 1.0 };
+            self.ledger = Ledger::new(vec![if known { 0.0 } else { f64::INFINITY }; per_row * rows], per_row);
         }
     }
 
@@ -112,98 +179,54 @@ impl Plan {
             per_half_bleach: pigments.each_ref().map(|p| ROUNDED_UP * rate_at_rest(p) / p.half_bleach.0),
             share: pigments.each_ref().map(|p| -(-dt.0 / p.tau.0).exp_m1()),
             allowed: self.budget.map_or(0.0, |budget| UNTOUCHED * budget / growth(pigments)),
+            lasting: pigments.each_ref().map(|p| Lasting::new(p, dt, self.budget.map_or(0.0, |b| STEADY * b))),
         }
     }
 
-    /// Takes note of a frame: the greatest bound of its untouched tiles, and whether any tile was stepped.
-    pub(crate) fn note(&mut self, untouched: f64, stepped: bool, by: Model, pigments: &[Kinetics; 3], dt: Seconds) {
-        self.met.untouched = self.met.untouched.max(untouched);
-        self.met.stepped |= stepped;
-        if stepped {
-            match by {
-                Model::Steady => self.met.steady = self.met.steady.max(remembered(pigments, dt)),
-                _ => self.met.followed = true,
-            }
-        }
+    /// Takes note of a frame: what was left out, its greatest light, td, and how pigment was moved where it was.
+    pub(crate) fn note(
+        &mut self,
+        left_out: LeftOut,
+        greatest: [f64; 3],
+        by: Model,
+        pigments: &[Kinetics; 3],
+        dt: Seconds,
+    ) {
+        let (rule, remembered) = (self.rule(pigments, dt), remembered(pigments, dt));
+        let lasted = left_out.stepped && self.is_free() && matches!(by, Model::Steady);
+        let outlasted = if lasted { remembered } else { left_out.outlasted };
+        self.met = Met {
+            left_out: self.met.left_out.and(LeftOut { outlasted, ..left_out }),
+            everywhere: rule.bleached(self.met.everywhere, greatest).min(1.0),
+            remembered: self.met.remembered.max(remembered),
+        };
     }
 
     /// What was done so far: `none` where every place was left untouched.
     pub fn name(&self, asked: Model) -> &'static str {
-        match (self.budget, self.met) {
+        match (self.budget, self.met.left_out) {
             (None, _) => asked.name(),
-            (_, Met { stepped: false, .. }) => Model::Unbleached.name(),
-            (_, Met { followed: false, .. }) => Model::Steady.name(),
+            (_, LeftOut { stepped: false, .. }) => Model::Unbleached.name(),
+            (_, LeftOut { followed: false, .. }) => Model::Steady.name(),
             _ => asked.name(),
         }
     }
 
-    /// The terms of the bound, for the report: what, and how much of p or of a catch it can cost at most. `null`:
-    /// nothing is promised, because a model or a method was asked for by name.
-    pub fn report(&self, asked: Model, pigments: &[Kinetics; 3]) -> Value {
-        let terms = self.terms(asked, pigments);
-        let total: Option<f64> = terms.iter().map(|(_, bound)| *bound).sum();
-        let term = |(what, bound): &(&str, Option<f64>)| json!({ "what": what, "bound": bound });
-        let tracked = self.ledger.iter().filter(|bound| bound.is_infinite()).count();
-        json!({
-            "model": self.name(asked),
-            "budget": self.budget,
-            "terms": terms.iter().map(term).collect::<Vec<_>>(),
-            "bound_total": total,
-            "tiles": self.ledger.len(),
-            "tiles_tracked": tracked,
-        })
-    }
-
-    /// The largest error that is promised; `None` if nothing is.
-    pub fn bound(&self, asked: Model, pigments: &[Kinetics; 3]) -> Option<f64> {
-        self.terms(asked, pigments).into_iter().map(|(_, bound)| bound).sum()
-    }
-
-    fn terms(&self, asked: Model, pigments: &[Kinetics; 3]) -> Vec<(&'static str, Option<f64>)> {
-        let mut terms = Vec::new();
-        if self.is_free() {
-            // Of a catch: relative to what is left. Once such a place is tracked its relative error may grow a little.
-            let left = 1.0 - self.met.untouched;
-            let untouched = (left > 0.0).then(|| growth(pigments) * self.met.untouched / left);
-            terms.push(("bleaching of places left untouched", untouched));
-        } else if !matches!(asked, Model::Tracked { .. }) {
-            terms.push(("the model that was asked for", None));
-        }
-        if self.met.steady > 0.0 {
-            terms.push(("steady state in place of the way there", Some(self.met.steady)));
-        }
-        let linear = pigments.iter().all(|p| p.law == Law::FirstOrder);
-        match asked {
-            Model::Tracked { method, substeps, budget } if self.met.followed || !self.is_free() => {
-                if method.name != "exact" || (substeps > 0 && !linear) {
-                    terms.push(("the steps that were asked for", None));
-                } else if !linear {
-                    terms.push(("rates frozen over sub-steps", Some(budget)));
-                }
-            }
-            _ => {}
-        }
-        if self.met.stepped || !self.is_free() {
-            terms.push(("pigment read at four levels", Some(level_bound(self.density))));
-            terms.push(("Stiles-Crawford weight by levels", Some(PER_LOG_LIGHT * directional::LEVEL_BOUND)));
-            terms.push(("single precision of light and percept", Some(SINGLE_BOUND)));
-        }
-        terms
-    }
-
     /// Everything that the next frame depends on, for a checkpoint.
     pub fn to_numbers(&self) -> Vec<f64> {
-        let Met { untouched, steady, stepped, followed } = self.met;
-        let met = [untouched, steady, f64::from(u8::from(stepped)), f64::from(u8::from(followed))];
-        met.into_iter().chain(self.ledger.iter().copied()).collect()
+        let Met { left_out: LeftOut { untouched, outlasted, stepped, followed }, everywhere, remembered } = self.met;
+        let flags = [stepped, followed].map(|flag| f64::from(u8::from(flag)));
+        let met = [untouched, outlasted, flags[0], flags[1], everywhere, remembered, self.ledger.per_row() as f64];
+        met.into_iter().chain(self.ledger.bounds().iter().copied()).collect()
     }
 
     /// Takes up what [`Plan::to_numbers`] gave.
     pub fn restore(&mut self, numbers: &[f64]) {
-        if let [untouched, steady, stepped, followed, ledger @ ..] = numbers {
-            let (untouched, steady) = (*untouched, *steady);
-            self.met = Met { untouched, steady, stepped: *stepped > 0.0, followed: *followed > 0.0 };
-            self.ledger = ledger.to_vec();
+        if let [untouched, outlasted, stepped, followed, everywhere, remembered, per_row, bounds @ ..] = numbers {
+            let (stepped, followed) = (*stepped > 0.0, *followed > 0.0);
+            let left_out = LeftOut { untouched: *untouched, outlasted: *outlasted, stepped, followed };
+            self.met = Met { left_out, everywhere: *everywhere, remembered: *remembered };
+            self.ledger = Ledger::new(bounds.to_vec(), *per_row as usize);
         }
     }
 }

@@ -1,0 +1,194 @@
+//! A plan in words and numbers: every reduction there is, what it can cost of p or of a catch at most, what it costs
+//! in time, whether it was taken and why.
+
+use serde_json::{Value, json};
+
+use super::{LeftOut, Met, Plan, growth};
+use crate::eye::directional;
+use crate::kinetics::{Kinetics, Law};
+use crate::percept::level_bound;
+use crate::retina::Model;
+
+/// Largest relative error of a catch from light, weights and percept in single precision.
+const SINGLE_BOUND: f64 = 1e-5;
+
+/// The greatest change of p for a change of ln I: 1/e (numerics 5.5).
+const PER_LOG_LIGHT: f64 = 0.3679;
+
+/// Typical cost of a place in a frame, one thread, ns: light, pigment and percept of RGB halves, for the model
+/// `none`, `steady`, `tracked`, and `tracked` with a law that has no closed form. Measured by
+/// `cargo bench --bench against_copy` and `sungaze chart ladder` on an EPYC of 2023; to compare by, not to rely on.
+const COST_NS: [f64; 4] = [2.0, 5.0, 6.0, 400.0];
+
+/// One reduction of the full model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Term {
+    pub what: &'static str,
+    /// The most that it costs of p, or of a catch relative to itself; not taken, what it would cost. `None`: unknown.
+    pub bound: Option<f64>,
+    /// Typical time for a place in a frame where it is taken, ns. `None`: it is part of the others.
+    pub cost_ns: Option<f64>,
+    pub chosen: bool,
+    pub why: String,
+}
+
+impl Plan {
+    /// The terms for the report. `bound_total`: the sum of those that were chosen; `null`: nothing is promised,
+    /// because a model or a method was asked for by name.
+    pub fn report(&self, asked: Model, pigments: &[Kinetics; 3]) -> Value {
+        let term = |term: &Term| {
+            json!({
+                "what": term.what,
+                "bound": term.bound,
+                "cost_ns_per_place": term.cost_ns,
+                "chosen": term.chosen,
+                "why": term.why,
+            })
+        };
+        json!({
+            "model": self.name(asked),
+            "budget": self.budget,
+            "terms": self.terms(asked, pigments).iter().map(term).collect::<Vec<_>>(),
+            "bound_total": self.bound(asked, pigments),
+            "tiles": self.ledger.bounds().len(),
+            "tiles_tracked": self.tiles_tracked(),
+        })
+    }
+
+    /// The largest error that is promised; `None` if nothing is.
+    pub fn bound(&self, asked: Model, pigments: &[Kinetics; 3]) -> Option<f64> {
+        self.terms(asked, pigments).iter().filter(|term| term.chosen).map(|term| term.bound).sum()
+    }
+
+    /// What ignoring all bleaching would cost at most; `None` if that has no bound.
+    pub fn bound_of_none(&self, pigments: &[Kinetics; 3]) -> Option<f64> {
+        relative(self.met.everywhere, pigments)
+    }
+
+    fn tiles_tracked(&self) -> usize {
+        self.ledger.bounds().iter().filter(|bound| bound.is_infinite()).count()
+    }
+
+    /// Every reduction, chosen or not.
+    pub fn terms(&self, asked: Model, pigments: &[Kinetics; 3]) -> Vec<Term> {
+        let mut terms = match (self.budget, asked) {
+            (Some(budget), Model::Tracked { .. }) => self.choices(budget, pigments).to_vec(),
+            (_, Model::Tracked { .. }) => Vec::new(),
+            _ => vec![Term {
+                what: "the model that was asked for",
+                bound: None,
+                cost_ns: Some(COST_NS[usize::from(matches!(asked, Model::Steady))]),
+                chosen: true,
+                why: format!("numerics.model = {:?}", asked.name()),
+            }],
+        };
+        if let Model::Tracked { .. } = asked {
+            terms.push(self.following(asked, pigments));
+        }
+        terms.extend(self.seeing());
+        terms
+    }
+
+    /// What a free plan may leave out.
+    fn choices(&self, budget: f64, pigments: &[Kinetics; 3]) -> [Term; 3] {
+        let Met { left_out: LeftOut { untouched, outlasted: steady, stepped, .. }, everywhere, remembered } = self.met;
+        let allowed = super::UNTOUCHED * budget / growth(pigments);
+        let lasting = super::STEADY * budget;
+        [
+            Term {
+                what: "no bleaching anywhere",
+                bound: relative(if stepped { everywhere } else { untouched }, pigments),
+                cost_ns: Some(COST_NS[0]),
+                chosen: !stepped,
+                why: match stepped {
+                    true => {
+                        format!("up to {} may have bleached; {} may be left out", percent(everywhere), percent(allowed))
+                    }
+                    false => format!("nowhere can more than {} have bleached", percent(untouched)),
+                },
+            },
+            Term {
+                what: "no bleaching where little light falls",
+                bound: relative(untouched, pigments),
+                cost_ns: Some(COST_NS[0]),
+                chosen: stepped && untouched > 0.0,
+                why: format!(
+                    "in {} of {} tiles less than {} can have bleached",
+                    self.ledger.bounds().len() - self.tiles_tracked(),
+                    self.ledger.bounds().len(),
+                    percent(allowed)
+                ),
+            },
+            Term {
+                what: "steady state in place of the way there",
+                bound: Some(if steady > 0.0 { steady } else { remembered }),
+                cost_ns: Some(COST_NS[1]),
+                chosen: steady > 0.0,
+                why: match steady > 0.0 {
+                    true => format!("where a step leaves less than {lasting:.1e} of what was before it"),
+                    false => {
+                        format!("a step leaves up to {remembered:.1e} of what was before it; {lasting:.1e} may be")
+                    }
+                },
+            },
+        ]
+    }
+
+    /// What following pigment in time costs.
+    fn following(&self, asked: Model, pigments: &[Kinetics; 3]) -> Term {
+        let Model::Tracked { method, substeps, budget } = asked else {
+            unreachable!("only tracked pigment is followed")
+        };
+        let linear = pigments.iter().all(|p| p.law == Law::FirstOrder);
+        let (what, bound) = match method.name {
+            "exact" if linear => ("the exact step", Some(0.0)),
+            "exact" if substeps == 0 => ("the exact step, its rates frozen over sub-steps", Some(budget)),
+            _ => ("the steps that were asked for", None),
+        };
+        let chosen = self.met.left_out.followed || !self.is_free();
+        Term {
+            what,
+            bound,
+            cost_ns: Some(COST_NS[if linear { 2 } else { 3 }]),
+            chosen,
+            why: match chosen {
+                true => format!("{} of {} tiles", self.tiles_tracked(), self.ledger.bounds().len()),
+                false => "no place needs it".into(),
+            },
+        }
+    }
+
+    /// What the shape of the percept's sums costs.
+    fn seeing(&self) -> [Term; 3] {
+        let chosen = self.met.left_out.stepped || !self.is_free();
+        let term = |what, bound, why: &str| Term {
+            what,
+            bound: Some(bound),
+            cost_ns: None,
+            chosen,
+            why: if chosen { why.into() } else { "the light is returned as it came".into() },
+        };
+        let levels = directional::LEVEL_BOUND;
+        [
+            term("pigment read at four levels", level_bound(self.density), "twelve sums instead of every nanometre"),
+            term(
+                "Stiles-Crawford weight by levels",
+                PER_LOG_LIGHT * levels,
+                "the light is projected once for any pupil",
+            ),
+            term("single precision of light and percept", SINGLE_BOUND, "the files hold no more"),
+        ]
+    }
+}
+
+/// Three digits of a share.
+fn percent(share: f64) -> String {
+    let digits = 10f64.powi(2 - (100.0 * share).max(1e-9).log10().floor() as i32);
+    format!("{} %", (100.0 * share * digits).round() / digits)
+}
+
+/// What is missing of a catch, relative to what is left. Once such a place is tracked that may grow a little.
+fn relative(untouched: f64, pigments: &[Kinetics; 3]) -> Option<f64> {
+    let left = 1.0 - untouched;
+    (left > 0.0).then(|| growth(pigments) * untouched / left)
+}
