@@ -113,10 +113,10 @@ impl Plan {
                 cost_ns: Some(COST_NS[0]),
                 chosen: stepped && untouched > 0.0,
                 why: format!(
-                    "in {} of {} tiles less than {} can have bleached",
+                    "a tile is left alone until {} can have bleached: {} of {} still are",
+                    percent(allowed),
                     self.ledger.bounds().len() - self.tiles_tracked(),
-                    self.ledger.bounds().len(),
-                    percent(allowed)
+                    self.ledger.bounds().len()
                 ),
             },
             Term {
@@ -125,9 +125,10 @@ impl Plan {
                 cost_ns: Some(COST_NS[1]),
                 chosen: steady > 0.0,
                 why: match steady > 0.0 {
-                    true => format!("where a step leaves less than {lasting:.1e} of what was before it"),
+                    true => format!("where a frame leaves less than {} of what was before it", percent(lasting)),
                     false => {
-                        format!("a step leaves up to {remembered:.1e} of what was before it; {lasting:.1e} may be")
+                        let (left, most) = (percent(remembered), percent(lasting));
+                        format!("a frame leaves up to {left} of what was before it; {most} would do")
                     }
                 },
             },
