@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::kernel::{self, FirstOrderForm};
 use crate::kinetics::{Kinetics, Law};
-use crate::step::{self, Method};
+use crate::step::{self, Enclosed, Method};
 use crate::units::{Seconds, Trolands};
 
 /// How pigment follows light.
@@ -88,7 +88,8 @@ impl Advance {
             Model::Unbleached => p,
             Model::Steady => pigment.steady(light),
             Model::Tracked { method, substeps: 0, budget } if method.name == "exact" => {
-                self.within(budget, pigment, p, light)
+                let most = || step::enclosed(pigment, p, light, self.duration, step::MOST_SUBSTEPS);
+                self.within(budget, pigment, p, light).unwrap_or_else(most).p
             }
             Model::Tracked { method, substeps, .. } => method.hold(pigment, p, light, self.duration, substeps.max(1)),
         }
@@ -97,25 +98,24 @@ impl Advance {
 
 impl Advance {
     /// The exact step of any law, its sub-steps as many as keep the relative error of p, over the whole run, within
-    /// `budget`.
+    /// `budget`; `None` if that are more than are tried.
     ///
     /// With u = ln 1/p1 and k what the step forgets the least of, a step may err by `budget`/2 (1 - k) p1/(1 + u)^2.
     /// Then the relative error stays below `budget`/2 (2 - 1/(1 + u)), whatever the steps and the light: what p loses
     /// by bleaching the integral of 1/(1 + u)^2 takes up, what it does not lose is forgotten. Self-screened pigment
     /// bleaches faster than its error by a `growth` that the budget is divided by.
-    fn within(&self, budget: f64, pigment: &Kinetics, p: f64, light: Trolands) -> f64 {
+    fn within(&self, budget: f64, pigment: &Kinetics, p: f64, light: Trolands) -> Option<Enclosed> {
         let forgets = -(-self.duration.0 * pigment.contraction(light)[0]).exp_m1();
         let share = 0.5 * budget / pigment.growth() * forgets;
-        let mut found = step::enclosed(pigment, p, light, self.duration, 1);
-        while found.error > share * found.p / (1.0 - found.p.ln()).powi(2) && found.substeps < MOST_SUBSTEPS {
-            found = step::enclosed(pigment, p, light, self.duration, 2 * found.substeps);
-        }
-        found.p
+        let doubled = (0..).map(|doublings| 1 << doublings).take_while(|&substeps| substeps <= step::MOST_SUBSTEPS);
+        let mut found = doubled.map(|substeps| step::enclosed(pigment, p, light, self.duration, substeps));
+        found.find(|found| found.error <= share * found.p / (1.0 - found.p.ln()).powi(2))
     }
 }
 
-/// Sub-steps beyond which no more are tried.
-const MOST_SUBSTEPS: u32 = 4096;
+/// The least budget of a law without a closed form that `MOST_SUBSTEPS` sub-steps are known to keep, whatever the
+/// light and the step.
+pub const LEAST_KEPT: f64 = 2.5e-5;
 
 /// Pigment at every place. Rows of three runs, L, M and S: shape (height, 3, width).
 #[derive(Clone, Debug, PartialEq)]
@@ -238,5 +238,26 @@ mod tests {
         assert_eq!(retina.at([1, 0]), inside);
         assert_eq!(retina.at([-1, 2]), outside);
         assert!(inside[0] < outside[0] && outside[0] < 1.0);
+    }
+
+    #[test]
+    fn no_light_and_no_step_asks_for_more_substeps_than_are_tried() {
+        let laws = [
+            Law::self_screened(0.3),
+            Law::self_screened(0.5),
+            Law::RateLimited { km: 0.05 },
+            Law::RateLimited { km: 0.2 },
+        ];
+        let grid = |from: i32, to: i32| (from..=to).map(|log| 10f64.powf(f64::from(log) / 4.0));
+        for law in laws {
+            let pigment = Kinetics { law, half_bleach: Trolands(2e4), tau: Seconds(120.0) };
+            for (td, dt) in grid(-4, 44).flat_map(|td| grid(-12, 16).map(move |dt| (td, dt))) {
+                let advance = Advance { pigments: [pigment; 3], model: Model::Steady, duration: Seconds(dt) };
+                for p in [1.0, 0.9, 0.3, 1e-2, 1e-4, 1e-8] {
+                    let found = advance.within(LEAST_KEPT, &pigment, p, Trolands(td));
+                    assert!(found.is_some(), "{law:?}: {td} td for {dt} s from {p}");
+                }
+            }
+        }
     }
 }

@@ -7,7 +7,7 @@ use super::{LeftOut, Met, Plan, growth};
 use crate::eye::directional;
 use crate::kinetics::{Kinetics, Law};
 use crate::percept::level_bound;
-use crate::retina::Model;
+use crate::retina::{LEAST_KEPT, Model};
 
 /// Largest relative error of a catch from light, weights and percept in single precision.
 const SINGLE_BOUND: f64 = 1e-5;
@@ -143,7 +143,9 @@ impl Plan {
         let linear = pigments.iter().all(|p| p.law == Law::FirstOrder);
         let (what, bound) = match method.name {
             "exact" if linear => ("the exact step", Some(0.0)),
-            "exact" if substeps == 0 => ("the exact step, its rates frozen over sub-steps", Some(budget)),
+            "exact" if substeps == 0 => {
+                ("the exact step, its rates frozen over sub-steps", (budget >= LEAST_KEPT).then_some(budget))
+            }
             _ => ("the steps that were asked for", None),
         };
         let chosen = self.met.left_out.followed || !self.is_free();

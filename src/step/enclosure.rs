@@ -8,8 +8,8 @@
 //!
 //! Both are straight lines in p, so the equations p' = chord and p' = tangent have exact solutions, and by the
 //! comparison theorem the truth runs between them. They part with the square of the range: the walls' distance falls
-//! with the third power of the step, as the error itself does. What a step inherits is never amplified, because
-//! f' <= -`contraction` < 0. So sums of these bounds hold for a whole run (rounding adds 1e-16 a sub-step).
+//! with the third power of the step, as the error itself does. What a step inherits is never amplified, because f' < 0;
+//! it fades by the slope between the solutions. So sums of these bounds hold for a whole run (rounding adds 1e-16 a sub-step).
 
 use super::frozen_midpoint;
 use crate::kinetics::{Kinetics, Law, mean_decay};
@@ -24,7 +24,7 @@ pub struct Enclosed {
 }
 
 /// Sub-steps beyond which no more are tried; far more than any budget that shows in a picture asks for.
-const MOST_SUBSTEPS: u32 = 4096;
+pub const MOST_SUBSTEPS: u32 = 65536;
 
 /// `advance` with a proven bound of its error, for a start that is itself exact.
 pub fn enclosed(kinetics: &Kinetics, p: f64, light: Trolands, dt: Seconds, substeps: u32) -> Enclosed {
@@ -33,16 +33,24 @@ pub fn enclosed(kinetics: &Kinetics, p: f64, light: Trolands, dt: Seconds, subst
         return Enclosed { p: super::advance(kinetics, p, light, dt, 1), error: 0.0, substeps };
     }
     let part = Seconds(dt.0 / f64::from(substeps));
-    let kept = (-part.0 * kinetics.contraction(light)[0]).exp();
     let (mut p, mut error) = (p, 0.0);
     for _ in 0..substeps {
         let next = frozen_midpoint(p, part, |p| kinetics.rates(p, light));
         let walls = walls(kinetics, p, light, part);
         let farther = walls.map(|wall| (wall - next).abs());
-        error = kept * error + farther[0].max(farther[1]);
+        error = kept(kinetics, light, part, error, [p, walls[0], walls[1]]) * error + farther[0].max(farther[1]);
         p = next;
     }
     Enclosed { p, error, substeps }
+}
+
+/// The most that a step leaves of an `error` that p had before it. Two solutions approach each other at the slope of
+/// the law somewhere between them; `passed` are the ends of what ours goes through, and slopes are monotone in p.
+fn kept(kinetics: &Kinetics, light: Trolands, dt: Seconds, error: f64, passed: [f64; 3]) -> f64 {
+    let lowest = passed.into_iter().fold(1.0, f64::min) - error;
+    let highest = passed.into_iter().fold(0.0, f64::max) + error;
+    let slopes = [lowest, highest].map(|p| kinetics.slope(p.clamp(0.0, 1.0), light));
+    (dt.0 * slopes[0].max(slopes[1])).exp()
 }
 
 /// [`enclosed`] with as many sub-steps, doubled from one, as keep the error within `budget`.

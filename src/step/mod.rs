@@ -22,7 +22,7 @@ mod special;
 
 pub use adaptive::{Adaptive, dormand_prince};
 pub use drive::Drive;
-pub use enclosure::{Enclosed, enclosed, enclosed_within, substeps_for};
+pub use enclosure::{Enclosed, MOST_SUBSTEPS, enclosed, enclosed_within, substeps_for};
 pub use explicit::{Explicit, runge_kutta};
 pub use exponential::{advance, frozen_midpoint, relax};
 pub use implicit::{Implicit, collocate};
