@@ -2,7 +2,9 @@
 //!
 //! Full model: f64, every band, the definition of catch and illuminance at every nanometre instead of levels,
 //! sixteen sub-steps, nothing left out. 192 places are spread over the picture, one in each cell of a grid; 64 are the
-//! brightest and the darkest of the first frame. With n places spread at random and none beyond a bound, fewer than
+//! brightest and the darkest of the first frame. Places are of the retina: when the gaze has moved, each sees what lies
+//! between four pixels, and its pigment is still compared, but no catch (and of spectral frames, whose bands are not
+//! kept everywhere, the illuminance is that of the moments). With n places spread at random and none beyond a bound, fewer than
 //! 3/n of all are beyond it, with 95 % confidence.
 
 use std::sync::Arc;
@@ -36,8 +38,6 @@ pub struct Check {
     /// The greatest error of p and of a catch at each place so far.
     errors: Vec<[u64; 2]>,
     frames: u32,
-    /// Whether the gaze has moved: what a place then sees is between pixels, and the check rests.
-    rests: bool,
 }
 
 /// One frame as the check needs it.
@@ -49,6 +49,10 @@ pub struct Exposure<'a> {
     pub planes: &'a Planes,
     pub pupil: Millimetres,
     pub gaze: [f64; 2],
+    /// How far the gaze has moved from the first, in pixels.
+    pub shift: [f64; 2],
+    /// Cone illuminance of the light around the picture, td.
+    pub around: [f64; 3],
     pub pixels_per_degree: f64,
     pub duration: Seconds,
 }
@@ -58,21 +62,17 @@ impl Check {
     pub fn new(places: Vec<[usize; 2]>, start: impl Fn([usize; 2]) -> [f64; 3]) -> Self {
         let p = places.iter().map(|&at| start(at).map(f64::to_bits)).collect();
         let errors = vec![[0; 2]; places.len()];
-        Check { places, p, errors, frames: 0, rests: false }
+        Check { places, p, errors, frames: 0 }
     }
 
     /// Moves the places by one frame and compares them with the run's fractions after it.
-    pub fn follow(&mut self, exposure: &Exposure<'_>, moved: bool, run: impl Fn([usize; 2]) -> [f64; 3]) {
-        self.rests |= moved;
-        if self.rests {
-            return;
-        }
+    pub fn follow(&mut self, exposure: &Exposure<'_>, run: impl Fn([usize; 2]) -> [f64; 3]) {
         self.frames += 1;
-        let weights = exposure.weights(0.0);
+        let still = exposure.shift == [0.0, 0.0];
+        let central = exposure.weights(0.0);
         for (i, &at) in self.places.iter().enumerate() {
-            let light = exposure.light(i, at);
-            let own = exposure.distance(at).map(|r| exposure.weights(r));
-            let td = illuminance(own.as_ref().unwrap_or(&weights), &light);
+            let light = if still { exposure.light(i, at) } else { Vec::new() };
+            let td = if still { exposure.illuminance(&light, at, &central) } else { exposure.between(at, &central) };
             let before = self.p[i].map(f64::from_bits);
             let after = [0, 1, 2]
                 .map(|k| step::advance(&exposure.pigments[k], before[k], Trolands(td[k]), exposure.duration, SUBSTEPS));
@@ -81,7 +81,7 @@ impl Check {
             let [mut of_p, mut of_catch] = self.errors[i].map(f64::from_bits);
             of_p = (0..3).map(|k| (ours[k] - after[k]).abs()).fold(of_p, f64::max);
             // Catches by the definition take a power at every nanometre: now and then is enough.
-            if self.frames.is_power_of_two() {
+            if still && self.frames.is_power_of_two() {
                 of_catch = of_catch.max(exposure.error_of_catch(&light, at, ours, after));
             }
             self.errors[i] = [of_p, of_catch].map(f64::to_bits);
@@ -133,6 +133,40 @@ impl Exposure<'_> {
             Some(kept) => kept.spectrum(i),
             None => (0..self.planes.count).map(|plane| self.planes.at(x, y, plane)).collect(),
         }
+    }
+
+    /// Cone illuminance of a pixel by the definition, td. `central`: the weights where the distance from the gaze does
+    /// not matter.
+    fn illuminance(&self, light: &[f64], at: [usize; 2], central: &[Vec<f64>; 3]) -> [f64; 3] {
+        illuminance(self.distance(at).map(|r| self.weights(r)).as_ref().unwrap_or(central), light)
+    }
+
+    /// Cone illuminance of a place of the retina that sees between four pixels, td.
+    fn between(&self, place: [usize; 2], central: &[Vec<f64>; 3]) -> [f64; 3] {
+        let at = [0, 1].map(|i| place[i] as f64 + self.shift[i]);
+        let share = |t: f64, far: usize| if far == 1 { t } else { 1.0 - t };
+        let mut sum = [0.0; 3];
+        for [x, y] in [[0, 0], [1, 0], [0, 1], [1, 1]] {
+            let weight = share(at[0] - at[0].floor(), x) * share(at[1] - at[1].floor(), y);
+            let td = self.of_pixel([at[0].floor() as i64 + x as i64, at[1].floor() as i64 + y as i64], central);
+            sum = [0, 1, 2].map(|k| sum[k] + if weight > 0.0 { weight * td[k] } else { 0.0 });
+        }
+        sum
+    }
+
+    /// Cone illuminance of a pixel, or of what lies around the picture, td.
+    fn of_pixel(&self, [x, y]: [i64; 2], central: &[Vec<f64>; 3]) -> [f64; 3] {
+        if x < 0 || y < 0 || x >= self.planes.width as i64 || y >= self.planes.height as i64 {
+            return self.around;
+        }
+        let at = [x as usize, y as usize];
+        if self.kept.is_some() {
+            let moments = self.vision.moments(self.planes, at[0], at[1]);
+            let r = Millimetres(self.distance(at).unwrap_or(0.0));
+            return self.vision.illuminance(&moments, &self.vision.illuminance_weights(self.pupil, r));
+        }
+        let light: Vec<f64> = (0..self.planes.count).map(|plane| self.planes.at(at[0], at[1], plane)).collect();
+        self.illuminance(&light, at, central)
     }
 
     /// Distance of a place from the pupil's centre, where the reading of the Stiles-Crawford weight asks for it.

@@ -2,7 +2,8 @@
 
 use proptest::prelude::*;
 
-use sungaze::eye::Observer;
+use sungaze::check;
+use sungaze::eye::{Directional, Observer, Reading, Steepness};
 use sungaze::kinetics::Kinetics;
 use sungaze::light::{Planes, Primaries, Samples};
 use sungaze::percept::Vision;
@@ -103,4 +104,32 @@ fn looking_away_from_a_light_leaves_its_image_where_the_gaze_goes() {
     let at = |x: usize, y: usize| seen.at(x, y, 1);
     assert!(at(8, 4) < 0.2 * at(2, 2), "the after-image is at the gaze: {} against {}", at(8, 4), at(2, 2));
     assert!((at(5, 3) / at(2, 2) - 1.0).abs() < 1e-2, "and not where the sun was");
+}
+
+/// The largest error of p that the sampled check finds over a moving gaze.
+fn checked(method: &str, reading: Reading) -> f64 {
+    let mut observer = Observer::standard();
+    observer.directional = Directional::new(reading, Steepness::LensCorrected);
+    let vision = Vision::of_rgb(observer, &Primaries::REC709, Nits(1e4)).unwrap();
+    let pigments = [Kinetics::first_order(Trolands(2e4), Seconds(120.0)); 3];
+    let model = Model::Tracked { method: Method::named(method).unwrap(), substeps: 0, budget: 1e-3 };
+    let mut eye = Viewer::new(vision, pigments, model, Retina::rested(WIDTH, HEIGHT), 2.0);
+    eye.surround = Nits(300.0);
+    let light = some_picture();
+    let survey = viewer::survey(&eye.vision, &light, eye.pixels_per_degree);
+    let mut check = eye.check(&check::places(&eye.vision, &light));
+    for i in 0..8 {
+        let gaze = [4.0 + 1.3 * f64::from(i), 3.0 - 0.7 * f64::from(i)];
+        let look = eye.look(&light, &survey, gaze, Seconds(0.5), None);
+        eye.compare(&mut check, &light, None, &look, gaze, Seconds(0.5));
+    }
+    check.largest()[0]
+}
+
+#[test]
+fn the_sampled_check_goes_on_under_a_moving_gaze_and_finds_a_method_that_errs() {
+    for reading in [Reading::Pupil, Reading::Paper { mm_per_degree: 0.29 }] {
+        let (exact, euler) = (checked("exact", reading), checked("forward-euler", reading));
+        assert!(exact < 1e-6 && euler > 1e-4, "{exact:e} {euler:e}");
+    }
 }

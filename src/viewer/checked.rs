@@ -28,9 +28,11 @@ impl Viewer {
             planes,
             pupil: look.pupil,
             gaze,
+            shift: look.shift,
+            around: self.surround_illuminance(look.pupil),
             pixels_per_degree: self.pixels_per_degree,
             duration,
         };
-        check.follow(&exposure, look.shift != [0.0, 0.0], |at| self.fractions_at(look.shift, at));
+        check.follow(&exposure, |[x, y]| self.retina.at([x as i64, y as i64]));
     }
 }
