@@ -130,3 +130,16 @@ fn every_reduction_is_reported_with_its_bound_and_its_reason_whether_it_was_take
         assert_eq!(viewer.plan.bound(tracked(), &pigments()), Some(sum));
     }
 }
+
+#[test]
+fn what_ignoring_a_bright_moment_would_cost_is_not_forgotten_in_the_dark_after_it() {
+    let (bright, dark) = (picture(8, 2, |_| 1e6), picture(8, 2, |_| 0.1));
+    let mut viewer = viewer(&bright, Plan::new(Some(BUDGET)));
+    look(&mut viewer, &bright, [4.0, 1.0]);
+    let lost = 1.0 - viewer.fractions_at([0.0; 2], [4, 1])[0];
+    for _ in 0..4 {
+        let luminances = survey(&viewer.vision, &dark, 10.0);
+        viewer.look(&dark, &luminances, [4.0, 1.0], Seconds(600.0), None);
+    }
+    assert!(viewer.plan.bound_of_none(&pigments()).unwrap() >= lost && lost > 0.01);
+}

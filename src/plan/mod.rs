@@ -45,7 +45,8 @@ pub struct Plan {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Met {
     left_out: LeftOut,
-    /// The most that would have bleached unseen if every tile had been left untouched.
+    /// What would have bleached unseen if every tile had been left untouched: by now, and at the most.
+    unseen: f64,
     everywhere: f64,
     /// The most that a steady state would have been wrong by, had it been taken everywhere.
     remembered: f64,
@@ -195,9 +196,11 @@ impl Plan {
         let (rule, remembered) = (self.rule(pigments, dt), remembered(pigments, dt));
         let lasted = left_out.stepped && self.is_free() && matches!(by, Model::Steady);
         let outlasted = if lasted { remembered } else { left_out.outlasted };
+        let unseen = rule.bleached(self.met.unseen, greatest);
         self.met = Met {
             left_out: self.met.left_out.and(LeftOut { outlasted, ..left_out }),
-            everywhere: rule.bleached(self.met.everywhere, greatest).min(1.0),
+            unseen,
+            everywhere: self.met.everywhere.max(unseen).min(1.0),
             remembered: self.met.remembered.max(remembered),
         };
     }
@@ -214,18 +217,21 @@ impl Plan {
 
     /// Everything that the next frame depends on, for a checkpoint.
     pub fn to_numbers(&self) -> Vec<f64> {
-        let Met { left_out: LeftOut { untouched, outlasted, stepped, followed }, everywhere, remembered } = self.met;
+        let Met { left_out: LeftOut { untouched, outlasted, stepped, followed }, unseen, everywhere, remembered } =
+            self.met;
         let flags = [stepped, followed].map(|flag| f64::from(u8::from(flag)));
-        let met = [untouched, outlasted, flags[0], flags[1], everywhere, remembered, self.ledger.per_row() as f64];
-        met.into_iter().chain(self.ledger.bounds().iter().copied()).collect()
+        let met = [untouched, outlasted, flags[0], flags[1], unseen, everywhere, remembered];
+        let met = met.into_iter().chain([self.ledger.per_row() as f64]);
+        met.chain(self.ledger.bounds().iter().copied()).collect()
     }
 
     /// Takes up what [`Plan::to_numbers`] gave.
     pub fn restore(&mut self, numbers: &[f64]) {
-        if let [untouched, outlasted, stepped, followed, everywhere, remembered, per_row, bounds @ ..] = numbers {
+        if let [untouched, outlasted, stepped, followed, unseen, everywhere, remembered, per_row, bounds @ ..] = numbers
+        {
             let (stepped, followed) = (*stepped > 0.0, *followed > 0.0);
             let left_out = LeftOut { untouched: *untouched, outlasted: *outlasted, stepped, followed };
-            self.met = Met { left_out, everywhere: *everywhere, remembered: *remembered };
+            self.met = Met { left_out, unseen: *unseen, everywhere: *everywhere, remembered: *remembered };
             self.ledger = Ledger::new(bounds.to_vec(), *per_row as usize);
         }
     }

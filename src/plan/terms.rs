@@ -91,7 +91,8 @@ impl Plan {
 
     /// What a free plan may leave out.
     fn choices(&self, budget: f64, pigments: &[Kinetics; 3]) -> [Term; 3] {
-        let Met { left_out: LeftOut { untouched, outlasted: steady, stepped, .. }, everywhere, remembered } = self.met;
+        let Met { left_out: LeftOut { untouched, outlasted: steady, stepped, .. }, everywhere, remembered, .. } =
+            self.met;
         let allowed = super::UNTOUCHED * budget / growth(pigments);
         let lasting = super::STEADY * budget;
         [
