@@ -1,7 +1,8 @@
 //! A run: a sequence of frames through the eye, into a folder.
 //!
 //! Three stages with bounded queues between them: a reader decodes ahead, the eye looks, a writer encodes behind.
-//! All share one thread pool, the caller's. Pixels and numbers do not depend on its size.
+//! All share rayon's global pool (within a pool of the caller's own, only the eye moves there). Pixels and numbers do
+//! not depend on how many threads there are.
 
 pub mod checkpoint;
 mod eye;
