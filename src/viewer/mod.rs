@@ -121,13 +121,15 @@ impl Viewer {
     }
 
     fn rows<T: Sample>(&mut self, glance: &Glance<'_>, seen: &mut [T]) -> Census {
-        if !matches!(glance.model, Model::Unbleached) {
-            let surround = self.surround_illuminance(glance.pupil);
-            self.retina.advance_beyond(&self.advance(glance), surround);
-        }
         let still = glance.shift == [0.0, 0.0]
             && self.retina.origin() == [0, 0]
             && self.retina.size() == [glance.planes.width, glance.planes.height];
+        if !matches!(glance.model, Model::Unbleached) {
+            // Places that join the retina live through this frame with the others.
+            self.grow(glance);
+            let surround = self.surround_illuminance(glance.pupil);
+            self.retina.advance_beyond(&self.advance(glance), surround);
+        }
         if still {
             return self.look_still(glance, seen);
         }
@@ -184,10 +186,7 @@ impl Viewer {
         let (planes, shift) = (glance.planes, glance.shift);
         let surround = self.surround_illuminance(glance.pupil);
         let met = self.illuminate(glance).and(Census { greatest: surround, ..Census::EMPTY });
-        let edge = |i: usize, n: usize| [(-shift[i]).floor() as i64, (n as f64 - 1.0 - shift[i]).ceil() as i64];
-        let ([left, right], [top, bottom]) = (edge(0, planes.width), edge(1, planes.height));
         let tile = glance.sight.tile();
-        self.grow([left, top], [right, bottom], tile);
         let advance = self.advance(glance);
         let rule = self.plan.rule(&self.pigments, glance.duration);
         let around = surround.map(|v| v as f32);
@@ -210,9 +209,12 @@ impl Viewer {
 
     /// Makes room for places that the picture covers for the first time. They may be left untouched like the others
     /// if the surround has left their pigment whole.
-    fn grow(&mut self, from: [i64; 2], to: [i64; 2], tile: usize) {
+    fn grow(&mut self, glance: &Glance<'_>) {
+        let (planes, shift, tile) = (glance.planes, glance.shift, glance.sight.tile());
+        let edge = |i: usize, n: usize| [(-shift[i]).floor() as i64, (n as f64 - 1.0 - shift[i]).ceil() as i64];
+        let ([left, right], [top, bottom]) = (edge(0, planes.width), edge(1, planes.height));
         let before = self.retina.size();
-        let first = self.retina.cover(from, to, tile);
+        let first = self.retina.cover([left, top], [right, bottom], tile);
         let [width, height] = self.retina.size();
         if [width, height] != before {
             let whole = self.plan.is_free() && self.retina.beyond() == [1.0; 3];
