@@ -6,6 +6,7 @@ use sungaze::light::{Planes, Primaries, Samples};
 use sungaze::percept::Vision;
 use sungaze::plan::{Plan, SUBSTEPS};
 use sungaze::retina::{Model, Retina};
+use sungaze::spectrum::Bands;
 use sungaze::step::{self, Method};
 use sungaze::units::{Millimetres, Nits, Seconds, Trolands};
 use sungaze::viewer::{Look, Viewer, survey};
@@ -142,4 +143,19 @@ fn what_ignoring_a_bright_moment_would_cost_is_not_forgotten_in_the_dark_after_i
         viewer.look(&dark, &luminances, [4.0, 1.0], Seconds(600.0), None);
     }
     assert!(viewer.plan.bound_of_none(&pigments()).unwrap() >= lost && lost > 0.01);
+}
+
+#[test]
+fn dim_rgb_is_promised_exactly_and_dim_spectra_to_single_precision() {
+    let bands = Bands::uniform(395.0, 705.0, 5).unwrap();
+    let spectral = Planes { width: 9, height: 2, count: 5, samples: Samples::Float(vec![1e-6; 90]) };
+    let rgb = picture(9, 2, |_| 1e-3);
+    let mut of_rgb = viewer(&rgb, Plan::new(Some(BUDGET)));
+    let vision = Vision::of_held_bands(of_rgb.vision.observer.clone(), &bands);
+    let mut of_bands = Viewer::new(vision, pigments(), tracked(), Retina::rested(9, 2), 10.0);
+    of_bands.plan = Plan::new(Some(BUDGET));
+    look(&mut of_bands, &spectral, [4.0, 1.0]);
+    look(&mut of_rgb, &rgb, [4.0, 1.0]);
+    let [exact, rounded] = [&of_rgb, &of_bands].map(|viewer| viewer.plan.bound(tracked(), &pigments()).unwrap());
+    assert!(exact < 1e-6 && rounded > 1e-6, "{exact:e} {rounded:e}");
 }

@@ -16,6 +16,7 @@ mod ledger;
 mod terms;
 
 use crate::kinetics::{Kinetics, Law};
+use crate::percept::Vision;
 use crate::retina::Model;
 use crate::units::{Seconds, Trolands};
 
@@ -38,6 +39,8 @@ pub struct Plan {
     pub(crate) ledger: Ledger,
     /// The greatest peak density of a pigment, on which the levels' error depends.
     density: f64,
+    /// Whether frames come as sums over bands, so that what is seen is their light only to single precision.
+    projected: bool,
     met: Met,
 }
 
@@ -148,7 +151,7 @@ impl Rule {
 impl Plan {
     /// A plan that keeps a budget, or one that does everywhere what is asked for.
     pub fn new(budget: Option<f64>) -> Self {
-        Plan { budget, ledger: Ledger::default(), density: 0.0, met: Met::default() }
+        Plan { budget, ledger: Ledger::default(), density: 0.0, projected: false, met: Met::default() }
     }
 
     /// Whether it is free to choose.
@@ -158,8 +161,9 @@ impl Plan {
 
     /// Opens the ledger of `rows` rows of `per_row` tiles. `rested`: whether every pigment is whole; of an eye that is
     /// not, nothing may be left out.
-    pub(crate) fn open(&mut self, per_row: usize, rows: usize, rested: impl FnOnce() -> bool, density: [f64; 3]) {
-        self.density = density.into_iter().fold(0.0, f64::max);
+    pub(crate) fn open(&mut self, per_row: usize, rows: usize, rested: impl FnOnce() -> bool, vision: &Vision) {
+        self.density = vision.observer.fundamentals.density().into_iter().fold(0.0, f64::max);
+        self.projected = !vision.returns_its_light();
         if self.ledger.bounds().is_empty() {
             let known = rested();
             self.met.everywhere = if known { 0.0 } else { 1.0 };

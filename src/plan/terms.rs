@@ -164,8 +164,8 @@ impl Plan {
 
     /// What the shape of the percept's sums costs.
     fn seeing(&self) -> [Term; 3] {
-        let chosen = self.met.left_out.stepped || !self.is_free();
-        let term = |what, bound, why: &str| Term {
+        let stepped = self.met.left_out.stepped || !self.is_free();
+        let term = |what, bound, chosen, why: &str| Term {
             what,
             bound: Some(bound),
             cost_ns: None,
@@ -174,13 +174,24 @@ impl Plan {
         };
         let levels = directional::LEVEL_BOUND;
         [
-            term("pigment read at four levels", level_bound(self.density), "twelve sums instead of every nanometre"),
+            term(
+                "pigment read at four levels",
+                level_bound(self.density),
+                stepped,
+                "twelve sums instead of every nanometre",
+            ),
             term(
                 "Stiles-Crawford weight by levels",
                 PER_LOG_LIGHT * levels,
+                stepped,
                 "the light is projected once for any pupil",
             ),
-            term("single precision of light and percept", SINGLE_BOUND, "the files hold no more"),
+            term(
+                "single precision of light and percept",
+                SINGLE_BOUND,
+                stepped || self.projected,
+                "the files hold no more",
+            ),
         ]
     }
 }

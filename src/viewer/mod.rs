@@ -110,8 +110,7 @@ impl Viewer {
         let mut seen = canvas(recycled, planes, half);
         let per_row = self.retina.size()[0].div_ceil(glance.sight.tile());
         let rested = || self.retina.fractions().iter().all(|&p| p == 1.0);
-        let density = self.vision.observer.fundamentals.density();
-        self.plan.open(per_row, self.retina.size()[1], rested, density);
+        self.plan.open(per_row, self.retina.size()[1], rested, &self.vision);
         let census = match &mut seen.samples {
             Samples::Half(seen) => self.rows(&glance, seen),
             Samples::Float(seen) => self.rows(&glance, seen),
