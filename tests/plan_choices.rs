@@ -159,3 +159,36 @@ fn dim_rgb_is_promised_exactly_and_dim_spectra_to_single_precision() {
     let [exact, rounded] = [&of_rgb, &of_bands].map(|viewer| viewer.plan.bound(tracked(), &pigments()).unwrap());
     assert!(exact < 1e-6 && rounded > 1e-6, "{exact:e} {rounded:e}");
 }
+
+#[test]
+fn light_of_which_a_step_remembers_nothing_at_all_is_still_said_to_be_steady() {
+    let planes = picture(300, 2, |_| 3e12);
+    let mut viewer = viewer(&planes, Plan::new(Some(BUDGET)));
+    look(&mut viewer, &planes, [150.0, 1.0]);
+    assert_eq!(viewer.plan.name(tracked()), "steady");
+    let terms = viewer.plan.terms(tracked(), &pigments());
+    let steady = terms.iter().find(|term| term.chosen && term.what.starts_with("steady"));
+    assert_eq!(steady.and_then(|term| term.bound), Some(0.0));
+}
+
+#[test]
+fn a_dim_picture_in_a_dim_surround_is_left_untouched_wherever_the_gaze_goes() {
+    let planes = picture(40, 3, |x| 0.1 + 0.01 * x as f32);
+    let mut viewer = viewer(&planes, Plan::new(Some(BUDGET)));
+    viewer.surround = Nits(0.5);
+    for gaze in [[20.0, 1.0], [35.5, 0.25], [1.0, 2.0], [-70.0, 9.0], [20.0, 1.0]] {
+        assert_eq!(look(&mut viewer, &planes, gaze).seen, planes, "looking at {gaze:?}");
+    }
+    assert_eq!(viewer.plan.name(tracked()), "none");
+}
+
+#[test]
+fn a_bright_surround_has_bleached_the_places_that_the_picture_reaches() {
+    let planes = picture(40, 3, |_| 0.1);
+    let mut viewer = viewer(&planes, Plan::new(Some(BUDGET)));
+    viewer.surround = Nits(1e6);
+    look(&mut viewer, &planes, [20.0, 1.0]);
+    let seen = look(&mut viewer, &planes, [30.0, 1.0]).seen;
+    assert_eq!(seen.at(25, 1, 1), planes.at(25, 1, 1));
+    assert!(seen.at(35, 1, 1) < 0.99 * planes.at(35, 1, 1) || seen.at(5, 1, 1) < 0.99 * planes.at(5, 1, 1));
+}

@@ -91,8 +91,8 @@ impl Plan {
 
     /// What a free plan may leave out.
     fn choices(&self, budget: f64, pigments: &[Kinetics; 3]) -> [Term; 3] {
-        let Met { left_out: LeftOut { untouched, outlasted: steady, stepped, .. }, everywhere, remembered, .. } =
-            self.met;
+        let Met { left_out, everywhere, remembered, .. } = self.met;
+        let LeftOut { untouched, outlasted, stepped, settled, .. } = left_out;
         let allowed = super::UNTOUCHED * budget / growth(pigments);
         let lasting = super::STEADY * budget;
         [
@@ -122,10 +122,10 @@ impl Plan {
             },
             Term {
                 what: "steady state in place of the way there",
-                bound: Some(if steady > 0.0 { steady } else { remembered }),
+                bound: Some(if settled { outlasted } else { remembered }),
                 cost_ns: Some(COST_NS[1]),
-                chosen: steady > 0.0,
-                why: match steady > 0.0 {
+                chosen: settled,
+                why: match settled {
                     true => format!("where a frame leaves less than {} of what was before it", percent(lasting)),
                     false => {
                         let (left, most) = (percent(remembered), percent(lasting));

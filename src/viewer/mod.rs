@@ -109,7 +109,7 @@ impl Viewer {
         let half = matches!(planes.samples, Samples::Half(_)) && self.vision.returns_its_light();
         let mut seen = canvas(recycled, planes, half);
         let per_row = self.retina.size()[0].div_ceil(glance.sight.tile());
-        let rested = || self.retina.fractions().iter().all(|&p| p == 1.0);
+        let rested = || self.retina.fractions().iter().chain(&self.retina.beyond()).all(|&p| p == 1.0);
         self.plan.open(per_row, self.retina.size()[1], rested, &self.vision);
         let census = match &mut seen.samples {
             Samples::Half(seen) => self.rows(&glance, seen),
@@ -126,8 +126,7 @@ impl Viewer {
         if !matches!(glance.model, Model::Unbleached) {
             // Places that join the retina live through this frame with the others.
             self.grow(glance);
-            let surround = self.surround_illuminance(glance.pupil);
-            self.retina.advance_beyond(&self.advance(glance), surround);
+            self.advance_beyond(glance);
         }
         if still {
             return self.look_still(glance, seen);
@@ -206,8 +205,8 @@ impl Viewer {
         met.and(moved.reduce(|| Census::EMPTY, Census::and))
     }
 
-    /// Makes room for places that the picture covers for the first time. They may be left untouched like the others
-    /// if the surround has left their pigment whole.
+    /// Makes room for places that the picture covers for the first time. They go on with
+    /// the bound of all that lies beyond.
     fn grow(&mut self, glance: &Glance<'_>) {
         let (planes, shift, tile) = (glance.planes, glance.shift, glance.sight.tile());
         let edge = |i: usize, n: usize| [(-shift[i]).floor() as i64, (n as f64 - 1.0 - shift[i]).ceil() as i64];
@@ -216,8 +215,18 @@ impl Viewer {
         let first = self.retina.cover([left, top], [right, bottom], tile);
         let [width, height] = self.retina.size();
         if [width, height] != before {
-            let whole = self.plan.is_free() && self.retina.beyond() == [1.0; 3];
-            self.plan.ledger.grow(first, [width.div_ceil(tile), height], if whole { 0.0 } else { f64::INFINITY });
+            self.plan.ledger.grow(first, [width.div_ceil(tile), height]);
+        }
+    }
+
+    /// Moves what no picture has covered, unless it may be left untouched.
+    fn advance_beyond(&mut self, glance: &Glance<'_>) {
+        let surround = self.surround_illuminance(glance.pupil);
+        let rule = self.plan.rule(&self.pigments, glance.duration);
+        let bound = self.plan.ledger.beyond_mut();
+        *bound = rule.after(*bound, surround.map(|td| td as f32));
+        if bound.is_infinite() {
+            self.retina.advance_beyond(&self.advance(glance), surround);
         }
     }
 
