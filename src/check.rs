@@ -187,15 +187,16 @@ impl Exposure<'_> {
     }
 
     /// The largest relative error of a catch: by levels at the run's p, against the definition at the true one.
+    /// Light out of gamut may catch next to nothing: its error is relative to what its parts catch, all taken as light.
     fn error_of_catch(&self, light: &[f64], [x, y]: [usize; 2], ours: [f64; 3], p: [f64; 3]) -> f64 {
-        let mut radiance = Curve::sampled(|_| 0.0);
+        let (mut radiance, mut parts) = (Curve::sampled(|_| 0.0), Curve::sampled(|_| 0.0));
         for (value, basis) in light.iter().zip(self.vision.basis()) {
             radiance.0.iter_mut().zip(&basis.0).for_each(|(sum, b)| *sum += value * b);
+            parts.0.iter_mut().zip(&basis.0).for_each(|(sum, b)| *sum += (value * b).abs());
         }
-        let exact = self.vision.observer.catch(&radiance, p);
+        let [exact, size] = [radiance, parts].map(|radiance| self.vision.observer.catch(&radiance, p));
         let seen = self.vision.catch(&self.vision.moments(self.planes, x, y), ours);
-        // Light out of gamut may catch nothing; its error has no measure.
-        (0..3).filter(|&k| exact[k] > 0.0).map(|k| (seen[k] / exact[k] - 1.0).abs()).fold(0.0, f64::max)
+        (0..3).filter(|&k| size[k] > 0.0).map(|k| ((seen[k] - exact[k]) / size[k]).abs()).fold(0.0, f64::max)
     }
 }
 
@@ -254,4 +255,37 @@ fn jitter(i: u64) -> f64 {
 /// Room for the spectra of the places, to be filled while a frame is decoded.
 pub fn room(vision: &Vision, places: &[[usize; 2]]) -> Option<Arc<Kept>> {
     vision.projection().map(|_| Arc::new(Kept::new(places)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::eye::Observer;
+    use crate::light::{Primaries, Samples};
+    use crate::percept::LEVEL_BOUND;
+    use crate::units::Nits;
+
+    #[test]
+    fn the_bound_of_the_levels_holds_out_of_gamut_too() {
+        let vision = Vision::of_rgb(Observer::standard(), &Primaries::REC709, Nits(1.0)).unwrap();
+        let pigments = [crate::kinetics::Kinetics::first_order(Trolands(2e4), Seconds(120.0)); 3];
+        for green in (0..400).map(|i| -0.005 * i as f32) {
+            let planes = Planes { width: 1, height: 1, count: 3, samples: Samples::Float(vec![1.0, green, 1.0]) };
+            let exposure = Exposure {
+                vision: &vision,
+                pigments: &pigments,
+                kept: None,
+                planes: &planes,
+                pupil: Millimetres(3.0),
+                gaze: [0.0; 2],
+                shift: [0.0; 2],
+                around: [0.0; 3],
+                pixels_per_degree: 1.0,
+                duration: Seconds(1.0),
+            };
+            let light = [1.0, f64::from(green), 1.0];
+            let error = exposure.error_of_catch(&light, [0, 0], [0.5; 3], [0.5; 3]);
+            assert!(error <= LEVEL_BOUND, "{green}: {error:e}");
+        }
+    }
 }

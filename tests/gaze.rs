@@ -106,6 +106,20 @@ fn looking_away_from_a_light_leaves_its_image_where_the_gaze_goes() {
     assert!((at(5, 3) / at(2, 2) - 1.0).abs() < 1e-2, "and not where the sun was");
 }
 
+#[test]
+fn places_that_the_picture_reaches_anew_have_lived_through_no_frame_twice() {
+    let light = some_picture();
+    let (mut growing, mut grown) = (viewer(tracked()), viewer(tracked()));
+    grown.retina.cover([-12, -7], [24, 14], WIDTH);
+    for eye in [&mut growing, &mut grown] {
+        eye.surround = Nits(3e4);
+    }
+    for gaze in [[5.0, 3.0], [8.5, 1.25], [2.0, 6.0], [0.0, 0.0]] {
+        let [a, b] = [&mut growing, &mut grown].map(|eye| look(eye, &light, gaze));
+        assert_eq!(a, b, "looking at {gaze:?}");
+    }
+}
+
 /// The largest error of p that the sampled check finds over a moving gaze.
 fn checked(method: &str, reading: Reading) -> f64 {
     let mut observer = Observer::standard();

@@ -6,6 +6,7 @@ use sungaze::light::{Planes, Primaries, Samples};
 use sungaze::percept::Vision;
 use sungaze::plan::{Plan, SUBSTEPS};
 use sungaze::retina::{Model, Retina};
+use sungaze::spectrum::Bands;
 use sungaze::step::{self, Method};
 use sungaze::units::{Millimetres, Nits, Seconds, Trolands};
 use sungaze::viewer::{Look, Viewer, survey};
@@ -142,4 +143,52 @@ fn what_ignoring_a_bright_moment_would_cost_is_not_forgotten_in_the_dark_after_i
         viewer.look(&dark, &luminances, [4.0, 1.0], Seconds(600.0), None);
     }
     assert!(viewer.plan.bound_of_none(&pigments()).unwrap() >= lost && lost > 0.01);
+}
+
+#[test]
+fn dim_rgb_is_promised_exactly_and_dim_spectra_to_single_precision() {
+    let bands = Bands::uniform(395.0, 705.0, 5).unwrap();
+    let spectral = Planes { width: 9, height: 2, count: 5, samples: Samples::Float(vec![1e-6; 90]) };
+    let rgb = picture(9, 2, |_| 1e-3);
+    let mut of_rgb = viewer(&rgb, Plan::new(Some(BUDGET)));
+    let vision = Vision::of_held_bands(of_rgb.vision.observer.clone(), &bands);
+    let mut of_bands = Viewer::new(vision, pigments(), tracked(), Retina::rested(9, 2), 10.0);
+    of_bands.plan = Plan::new(Some(BUDGET));
+    look(&mut of_bands, &spectral, [4.0, 1.0]);
+    look(&mut of_rgb, &rgb, [4.0, 1.0]);
+    let [exact, rounded] = [&of_rgb, &of_bands].map(|viewer| viewer.plan.bound(tracked(), &pigments()).unwrap());
+    assert!(exact < 1e-6 && rounded > 1e-6, "{exact:e} {rounded:e}");
+}
+
+#[test]
+fn light_of_which_a_step_remembers_nothing_at_all_is_still_said_to_be_steady() {
+    let planes = picture(300, 2, |_| 3e12);
+    let mut viewer = viewer(&planes, Plan::new(Some(BUDGET)));
+    look(&mut viewer, &planes, [150.0, 1.0]);
+    assert_eq!(viewer.plan.name(tracked()), "steady");
+    let terms = viewer.plan.terms(tracked(), &pigments());
+    let steady = terms.iter().find(|term| term.chosen && term.what.starts_with("steady"));
+    assert_eq!(steady.and_then(|term| term.bound), Some(0.0));
+}
+
+#[test]
+fn a_dim_picture_in_a_dim_surround_is_left_untouched_wherever_the_gaze_goes() {
+    let planes = picture(40, 3, |x| 0.1 + 0.01 * x as f32);
+    let mut viewer = viewer(&planes, Plan::new(Some(BUDGET)));
+    viewer.surround = Nits(0.5);
+    for gaze in [[20.0, 1.0], [35.5, 0.25], [1.0, 2.0], [-70.0, 9.0], [20.0, 1.0]] {
+        assert_eq!(look(&mut viewer, &planes, gaze).seen, planes, "looking at {gaze:?}");
+    }
+    assert_eq!(viewer.plan.name(tracked()), "none");
+}
+
+#[test]
+fn a_bright_surround_has_bleached_the_places_that_the_picture_reaches() {
+    let planes = picture(40, 3, |_| 0.1);
+    let mut viewer = viewer(&planes, Plan::new(Some(BUDGET)));
+    viewer.surround = Nits(1e6);
+    look(&mut viewer, &planes, [20.0, 1.0]);
+    let seen = look(&mut viewer, &planes, [30.0, 1.0]).seen;
+    assert_eq!(seen.at(25, 1, 1), planes.at(25, 1, 1));
+    assert!(seen.at(35, 1, 1) < 0.99 * planes.at(35, 1, 1) || seen.at(5, 1, 1) < 0.99 * planes.at(5, 1, 1));
 }

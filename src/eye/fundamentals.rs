@@ -92,7 +92,7 @@ impl Fundamentals {
         self.density
     }
 
-    /// s_k(.; 1): energy units, unit peak.
+    /// s_k(.; 1): energy units, unit peak (of the 1993 set to 2e-4, as its printed coefficients have it).
     pub fn unbleached(&self, cone: usize) -> &Curve {
         &self.unbleached[cone]
     }
@@ -112,9 +112,9 @@ impl Fundamentals {
         Curve(self.unbleached[cone].0.iter().zip(&self.absorbance[cone].0).map(|(s, &a)| s * ratio(a)).collect())
     }
 
-    /// Largest value of s_k(.; p) / p: divides a catch in the `narrowed` reading.
+    /// Largest value of s_k(.; p) / p, relative to that at p = 1: divides a catch in the `narrowed` reading.
     pub fn peak_per_pigment(&self, cone: usize, p: f64) -> f64 {
-        self.per_pigment(cone, p).peak()
+        self.per_pigment(cone, p).peak() / self.unbleached[cone].peak()
     }
 }
 

@@ -91,7 +91,7 @@ impl Observer {
         })
     }
 
-    /// What a catch is divided by for the narrowing: the peak of s_k(.; p), or 1.
+    /// What a catch is divided by for the narrowing: the peak of s_k(.; p), relative to that at p = 1, or 1.
     pub fn own_peak(&self, cone: usize, p: f64) -> f64 {
         match self.narrowing {
             Narrowing::Depleted => 1.0,

@@ -38,15 +38,16 @@ pub(super) fn weighting_curves(observer: &Observer) -> Vec<Curve> {
     catches.chain(trolands).collect()
 }
 
-/// H at the levels for every wavelength that is the peak at some p. (The S cone has two maxima, at 443 and 447 nm,
+/// H at the levels, relative to the peak at p = 1, for every wavelength that is the peak at some p. (The S cone has two maxima, at 443 and 447 nm,
 /// whose order changes at p = 0.4: one smooth function would miss that by 7e-4.)
 pub(super) fn peaks(observer: &Observer) -> Option<[Vec<[f64; 4]>; 3]> {
     let of_cone = |k: usize| {
         let levels = LEVELS.map(|p| observer.fundamentals.per_pigment(k, p));
+        let unbleached = observer.fundamentals.unbleached(k).peak();
         let peak = |i: usize| observer.fundamentals.per_pigment(k, i as f64 / 64.0).peak_and_width().0 as usize;
         let mut wavelengths: Vec<usize> = (0..=64).map(peak).collect();
         wavelengths.dedup();
-        wavelengths.into_iter().map(|nm| [0, 1, 2, 3].map(|j| levels[j].at(nm))).collect()
+        wavelengths.into_iter().map(|nm| [0, 1, 2, 3].map(|j| levels[j].at(nm) / unbleached)).collect()
     };
     (observer.narrowing == Narrowing::Narrowed).then(|| [0, 1, 2].map(of_cone))
 }

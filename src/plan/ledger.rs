@@ -5,12 +5,24 @@
 pub(crate) struct Ledger {
     bounds: Vec<f64>,
     per_row: usize,
+    /// Of all that no picture has covered.
+    beyond: f64,
 }
 
 impl Ledger {
-    /// Bounds that were kept, `per_row` tiles a row.
-    pub fn new(bounds: Vec<f64>, per_row: usize) -> Self {
-        Ledger { bounds, per_row }
+    /// Bounds that were kept, `per_row` tiles a row, and that of all that no picture has covered.
+    pub fn new(bounds: Vec<f64>, per_row: usize, beyond: f64) -> Self {
+        Ledger { bounds, per_row, beyond }
+    }
+
+    /// The bound of all that no picture has covered.
+    pub fn beyond(&self) -> f64 {
+        self.beyond
+    }
+
+    /// The same, to be carried over a step.
+    pub fn beyond_mut(&mut self) -> &mut f64 {
+        &mut self.beyond
     }
 
     /// All bounds, row by row.
@@ -30,18 +42,18 @@ impl Ledger {
     }
 
     /// Room for the tiles of a retina that has grown. `first`: tiles and rows before the old ones; `size`: tiles in
-    /// a row and rows now; `fresh`: the bound of what is new. The last tile of a row may have grown itself.
-    pub fn grow(&mut self, first: [usize; 2], size: [usize; 2], fresh: f64) {
-        let [per_row, rows] = size;
-        let mut bounds = vec![fresh; per_row * rows];
+    /// a row and rows now. What is new was beyond. The last tile of a row may have grown itself.
+    pub fn grow(&mut self, first: [usize; 2], size: [usize; 2]) {
+        let ([per_row, rows], beyond) = (size, self.beyond);
+        let mut bounds = vec![beyond; per_row * rows];
         for (y, old) in self.bounds.chunks_exact(self.per_row.max(1)).enumerate() {
             let row = &mut bounds[(first[1] + y) * per_row + first[0]..][..old.len()];
             row.copy_from_slice(old);
             if let Some(last) = row.last_mut() {
-                *last = last.max(fresh);
+                *last = last.max(beyond);
             }
         }
-        *self = Ledger { bounds, per_row };
+        *self = Ledger { bounds, per_row, beyond };
     }
 }
 
@@ -51,10 +63,11 @@ mod tests {
 
     #[test]
     fn a_grown_ledger_keeps_every_bound_at_its_tile() {
-        let mut ledger = Ledger::new(vec![1.0, 2.0, 3.0, 4.0], 2);
-        ledger.grow([1, 1], [4, 3], 0.0);
+        let mut ledger = Ledger::new(vec![1.0, 2.0, 3.0, 4.0], 2, 0.0);
+        ledger.grow([1, 1], [4, 3]);
         assert_eq!(ledger.bounds(), [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 0.0, 0.0, 3.0, 4.0, 0.0]);
-        ledger.grow([0, 0], [4, 3], f64::INFINITY);
+        *ledger.beyond_mut() = f64::INFINITY;
+        ledger.grow([0, 0], [4, 3]);
         assert_eq!(ledger.bounds()[4..8], [0.0, 1.0, 2.0, f64::INFINITY]);
     }
 }

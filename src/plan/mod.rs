@@ -16,6 +16,7 @@ mod ledger;
 mod terms;
 
 use crate::kinetics::{Kinetics, Law};
+use crate::percept::Vision;
 use crate::retina::Model;
 use crate::units::{Seconds, Trolands};
 
@@ -38,6 +39,8 @@ pub struct Plan {
     pub(crate) ledger: Ledger,
     /// The greatest peak density of a pigment, on which the levels' error depends.
     density: f64,
+    /// Whether frames come as sums over bands, so that what is seen is their light only to single precision.
+    projected: bool,
     met: Met,
 }
 
@@ -59,8 +62,9 @@ pub struct LeftOut {
     pub untouched: f64,
     /// Wrong, relative to p, where a steady state was taken because the step outlasts what pigment remembers.
     pub outlasted: f64,
-    /// Whether any place was stepped, and whether by following rather than by its steady state.
+    /// Whether any place was stepped, and whether by its steady state or by following.
     pub stepped: bool,
+    pub settled: bool,
     pub followed: bool,
 }
 
@@ -71,6 +75,7 @@ impl LeftOut {
             untouched: self.untouched.max(other.untouched),
             outlasted: self.outlasted.max(other.outlasted),
             stepped: self.stepped | other.stepped,
+            settled: self.settled | other.settled,
             followed: self.followed | other.followed,
         }
     }
@@ -148,7 +153,7 @@ impl Rule {
 impl Plan {
     /// A plan that keeps a budget, or one that does everywhere what is asked for.
     pub fn new(budget: Option<f64>) -> Self {
-        Plan { budget, ledger: Ledger::default(), density: 0.0, met: Met::default() }
+        Plan { budget, ledger: Ledger::default(), density: 0.0, projected: false, met: Met::default() }
     }
 
     /// Whether it is free to choose.
@@ -158,12 +163,14 @@ impl Plan {
 
     /// Opens the ledger of `rows` rows of `per_row` tiles. `rested`: whether every pigment is whole; of an eye that is
     /// not, nothing may be left out.
-    pub(crate) fn open(&mut self, per_row: usize, rows: usize, rested: impl FnOnce() -> bool, density: [f64; 3]) {
-        self.density = density.into_iter().fold(0.0, f64::max);
+    pub(crate) fn open(&mut self, per_row: usize, rows: usize, rested: impl FnOnce() -> bool, vision: &Vision) {
+        self.density = vision.observer.fundamentals.density().into_iter().fold(0.0, f64::max);
+        self.projected = !vision.returns_its_light();
         if self.ledger.bounds().is_empty() {
             let known = rested();
             self.met.everywhere = if known { 0.0 } else { 1.0 };
-            self.ledger = Ledger::new(vec![if known { 0.0 } else { f64::INFINITY }; per_row * rows], per_row);
+            let bound = if known { 0.0 } else { f64::INFINITY };
+            self.ledger = Ledger::new(vec![bound; per_row * rows], per_row, bound);
         }
     }
 
@@ -198,7 +205,7 @@ impl Plan {
         let outlasted = if lasted { remembered } else { left_out.outlasted };
         let unseen = rule.bleached(self.met.unseen, greatest);
         self.met = Met {
-            left_out: self.met.left_out.and(LeftOut { outlasted, ..left_out }),
+            left_out: self.met.left_out.and(LeftOut { outlasted, settled: lasted | left_out.settled, ..left_out }),
             unseen,
             everywhere: self.met.everywhere.max(unseen).min(1.0),
             remembered: self.met.remembered.max(remembered),
@@ -217,22 +224,34 @@ impl Plan {
 
     /// Everything that the next frame depends on, for a checkpoint.
     pub fn to_numbers(&self) -> Vec<f64> {
-        let Met { left_out: LeftOut { untouched, outlasted, stepped, followed }, unseen, everywhere, remembered } =
-            self.met;
-        let flags = [stepped, followed].map(|flag| f64::from(u8::from(flag)));
-        let met = [untouched, outlasted, flags[0], flags[1], unseen, everywhere, remembered];
-        let met = met.into_iter().chain([self.ledger.per_row() as f64]);
+        let Met { left_out, unseen, everywhere, remembered } = self.met;
+        let LeftOut { untouched, outlasted, stepped, settled, followed } = left_out;
+        let flags = [stepped, settled, followed].map(|flag| f64::from(u8::from(flag)));
+        let met = [untouched, outlasted, flags[0], flags[1], flags[2], unseen, everywhere, remembered];
+        let met = met.into_iter().chain([self.ledger.per_row() as f64, self.ledger.beyond()]);
         met.chain(self.ledger.bounds().iter().copied()).collect()
     }
 
     /// Takes up what [`Plan::to_numbers`] gave.
     pub fn restore(&mut self, numbers: &[f64]) {
-        if let [untouched, outlasted, stepped, followed, unseen, everywhere, remembered, per_row, bounds @ ..] = numbers
+        if let [
+            untouched,
+            outlasted,
+            stepped,
+            settled,
+            followed,
+            unseen,
+            everywhere,
+            remembered,
+            per_row,
+            beyond,
+            bounds @ ..,
+        ] = numbers
         {
-            let (stepped, followed) = (*stepped > 0.0, *followed > 0.0);
-            let left_out = LeftOut { untouched: *untouched, outlasted: *outlasted, stepped, followed };
+            let [stepped, settled, followed] = [stepped, settled, followed].map(|flag| *flag > 0.0);
+            let left_out = LeftOut { untouched: *untouched, outlasted: *outlasted, stepped, settled, followed };
             self.met = Met { left_out, unseen: *unseen, everywhere: *everywhere, remembered: *remembered };
-            self.ledger = Ledger::new(bounds.to_vec(), *per_row as usize);
+            self.ledger = Ledger::new(bounds.to_vec(), *per_row as usize, *beyond);
         }
     }
 }

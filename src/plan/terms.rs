@@ -91,8 +91,8 @@ impl Plan {
 
     /// What a free plan may leave out.
     fn choices(&self, budget: f64, pigments: &[Kinetics; 3]) -> [Term; 3] {
-        let Met { left_out: LeftOut { untouched, outlasted: steady, stepped, .. }, everywhere, remembered, .. } =
-            self.met;
+        let Met { left_out, everywhere, remembered, .. } = self.met;
+        let LeftOut { untouched, outlasted, stepped, settled, .. } = left_out;
         let allowed = super::UNTOUCHED * budget / growth(pigments);
         let lasting = super::STEADY * budget;
         [
@@ -122,10 +122,10 @@ impl Plan {
             },
             Term {
                 what: "steady state in place of the way there",
-                bound: Some(if steady > 0.0 { steady } else { remembered }),
+                bound: Some(if settled { outlasted } else { remembered }),
                 cost_ns: Some(COST_NS[1]),
-                chosen: steady > 0.0,
-                why: match steady > 0.0 {
+                chosen: settled,
+                why: match settled {
                     true => format!("where a frame leaves less than {} of what was before it", percent(lasting)),
                     false => {
                         let (left, most) = (percent(remembered), percent(lasting));
@@ -164,8 +164,8 @@ impl Plan {
 
     /// What the shape of the percept's sums costs.
     fn seeing(&self) -> [Term; 3] {
-        let chosen = self.met.left_out.stepped || !self.is_free();
-        let term = |what, bound, why: &str| Term {
+        let stepped = self.met.left_out.stepped || !self.is_free();
+        let term = |what, bound, chosen, why: &str| Term {
             what,
             bound: Some(bound),
             cost_ns: None,
@@ -174,13 +174,24 @@ impl Plan {
         };
         let levels = directional::LEVEL_BOUND;
         [
-            term("pigment read at four levels", level_bound(self.density), "twelve sums instead of every nanometre"),
+            term(
+                "pigment read at four levels",
+                level_bound(self.density),
+                stepped,
+                "twelve sums instead of every nanometre",
+            ),
             term(
                 "Stiles-Crawford weight by levels",
                 PER_LOG_LIGHT * levels,
+                stepped,
                 "the light is projected once for any pupil",
             ),
-            term("single precision of light and percept", SINGLE_BOUND, "the files hold no more"),
+            term(
+                "single precision of light and percept",
+                SINGLE_BOUND,
+                stepped || self.projected,
+                "the files hold no more",
+            ),
         ]
     }
 }

@@ -117,10 +117,10 @@ mod tests {
     fn a_checkpoint_comes_back_bit_for_bit() {
         let folder = tempfile::tempdir().unwrap();
         let head = Head {
-            config: serde_json::json!({ "a": { "b": 1 } }),
+            config: serde_json::json!({ "a": { "b": 14.064145733929653 } }),
             done: 7,
             last_frame: 12,
-            first_gaze: Some([0.1, f64::MIN_POSITIVE]),
+            first_gaze: Some([50.969380913214884, f64::MIN_POSITIVE]),
             retina_size: [1, 1],
             retina_origin: [-3, 4],
             counters: Counters::default(),

@@ -109,9 +109,8 @@ impl Viewer {
         let half = matches!(planes.samples, Samples::Half(_)) && self.vision.returns_its_light();
         let mut seen = canvas(recycled, planes, half);
         let per_row = self.retina.size()[0].div_ceil(glance.sight.tile());
-        let rested = || self.retina.fractions().iter().all(|&p| p == 1.0);
-        let density = self.vision.observer.fundamentals.density();
-        self.plan.open(per_row, self.retina.size()[1], rested, density);
+        let rested = || self.retina.fractions().iter().chain(&self.retina.beyond()).all(|&p| p == 1.0);
+        self.plan.open(per_row, self.retina.size()[1], rested, &self.vision);
         let census = match &mut seen.samples {
             Samples::Half(seen) => self.rows(&glance, seen),
             Samples::Float(seen) => self.rows(&glance, seen),
@@ -121,13 +120,14 @@ impl Viewer {
     }
 
     fn rows<T: Sample>(&mut self, glance: &Glance<'_>, seen: &mut [T]) -> Census {
-        if !matches!(glance.model, Model::Unbleached) {
-            let surround = self.surround_illuminance(glance.pupil);
-            self.retina.advance_beyond(&self.advance(glance), surround);
-        }
         let still = glance.shift == [0.0, 0.0]
             && self.retina.origin() == [0, 0]
             && self.retina.size() == [glance.planes.width, glance.planes.height];
+        if !matches!(glance.model, Model::Unbleached) {
+            // Places that join the retina live through this frame with the others.
+            self.grow(glance);
+            self.advance_beyond(glance);
+        }
         if still {
             return self.look_still(glance, seen);
         }
@@ -184,10 +184,7 @@ impl Viewer {
         let (planes, shift) = (glance.planes, glance.shift);
         let surround = self.surround_illuminance(glance.pupil);
         let met = self.illuminate(glance).and(Census { greatest: surround, ..Census::EMPTY });
-        let edge = |i: usize, n: usize| [(-shift[i]).floor() as i64, (n as f64 - 1.0 - shift[i]).ceil() as i64];
-        let ([left, right], [top, bottom]) = (edge(0, planes.width), edge(1, planes.height));
         let tile = glance.sight.tile();
-        self.grow([left, top], [right, bottom], tile);
         let advance = self.advance(glance);
         let rule = self.plan.rule(&self.pigments, glance.duration);
         let around = surround.map(|v| v as f32);
@@ -208,15 +205,28 @@ impl Viewer {
         met.and(moved.reduce(|| Census::EMPTY, Census::and))
     }
 
-    /// Makes room for places that the picture covers for the first time. They may be left untouched like the others
-    /// if the surround has left their pigment whole.
-    fn grow(&mut self, from: [i64; 2], to: [i64; 2], tile: usize) {
+    /// Makes room for places that the picture covers for the first time. They go on with
+    /// the bound of all that lies beyond.
+    fn grow(&mut self, glance: &Glance<'_>) {
+        let (planes, shift, tile) = (glance.planes, glance.shift, glance.sight.tile());
+        let edge = |i: usize, n: usize| [(-shift[i]).floor() as i64, (n as f64 - 1.0 - shift[i]).ceil() as i64];
+        let ([left, right], [top, bottom]) = (edge(0, planes.width), edge(1, planes.height));
         let before = self.retina.size();
-        let first = self.retina.cover(from, to, tile);
+        let first = self.retina.cover([left, top], [right, bottom], tile);
         let [width, height] = self.retina.size();
         if [width, height] != before {
-            let whole = self.plan.is_free() && self.retina.beyond() == [1.0; 3];
-            self.plan.ledger.grow(first, [width.div_ceil(tile), height], if whole { 0.0 } else { f64::INFINITY });
+            self.plan.ledger.grow(first, [width.div_ceil(tile), height]);
+        }
+    }
+
+    /// Moves what no picture has covered, unless it may be left untouched.
+    fn advance_beyond(&mut self, glance: &Glance<'_>) {
+        let surround = self.surround_illuminance(glance.pupil);
+        let rule = self.plan.rule(&self.pigments, glance.duration);
+        let bound = self.plan.ledger.beyond_mut();
+        *bound = rule.after(*bound, surround.map(|td| td as f32));
+        if bound.is_infinite() {
+            self.retina.advance_beyond(&self.advance(glance), surround);
         }
     }
 

@@ -25,6 +25,7 @@ pub(super) fn moved(
     for k in 0..3 {
         let outlasted = rule.outlasts(k, greatest[k], || kernel::dimmest(td[k]));
         let model = if outlasted.is_some() { Model::Steady } else { advance.model };
+        left_out.settled |= outlasted.is_some();
         left_out.outlasted = left_out.outlasted.max(outlasted.unwrap_or(0.0));
         left_out.followed |= matches!(model, Model::Tracked { .. });
         least[k] = Advance { model, ..*advance }.cone(k, td[k], p[k]);
