@@ -1,7 +1,7 @@
 //! The sampled check: a few hundred places of the run at full model beside it, and how far the two are apart.
 //!
 //! Full model: f64, every band, the definition of catch and illuminance at every nanometre instead of levels,
-//! sixteen sub-steps, nothing left out. 192 places are spread over the picture, one in each cell of a grid; 64 are the
+//! sub-steps that keep a run within 2.5e-5, nothing left out. 192 places are spread over the picture, one in each cell of a grid; 64 are the
 //! brightest and the darkest of the first frame. Places are of the retina: when the gaze has moved, each sees what lies
 //! between four pixels, and its pigment is still compared, but no catch (and of spectral frames, whose bands are not
 //! kept everywhere, the illuminance is that of the moments). With n places spread at random and none beyond a bound, fewer than
@@ -16,8 +16,8 @@ use crate::eye::pupil;
 use crate::kinetics::Kinetics;
 use crate::light::{Kept, Planes};
 use crate::percept::Vision;
+use crate::retina::{Advance, LEAST_KEPT, Model};
 use crate::spectrum::Curve;
-use crate::step;
 use crate::units::{LUMENS_PER_WATT, Millimetres, Seconds, Trolands};
 
 /// Columns and rows of the grid of spread places.
@@ -25,8 +25,6 @@ const GRID: [usize; 2] = [16, 12];
 
 /// How many of the brightest places are taken, and how many of the darkest.
 const EXTREMES: usize = 32;
-
-const SUBSTEPS: u32 = 16;
 
 /// Places at full model and how far the run has been from them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -70,12 +68,12 @@ impl Check {
         self.frames += 1;
         let still = exposure.shift == [0.0, 0.0];
         let central = exposure.weights(0.0);
+        let step = Advance { pigments: *exposure.pigments, model: Model::Unbleached, duration: exposure.duration };
         for (i, &at) in self.places.iter().enumerate() {
             let light = if still { exposure.light(i, at) } else { Vec::new() };
             let td = if still { exposure.illuminance(&light, at, &central) } else { exposure.between(at, &central) };
             let before = self.p[i].map(f64::from_bits);
-            let after = [0, 1, 2]
-                .map(|k| step::advance(&exposure.pigments[k], before[k], Trolands(td[k]), exposure.duration, SUBSTEPS));
+            let after = [0, 1, 2].map(|k| step.exact(LEAST_KEPT, &exposure.pigments[k], before[k], Trolands(td[k])));
             self.p[i] = after.map(f64::to_bits);
             let ours = run(at);
             let [mut of_p, mut of_catch] = self.errors[i].map(f64::from_bits);
@@ -261,28 +259,55 @@ pub fn room(vision: &Vision, places: &[[usize; 2]]) -> Option<Arc<Kept>> {
 mod tests {
     use super::*;
     use crate::eye::Observer;
+    use crate::kinetics::Law;
     use crate::light::{Primaries, Samples};
     use crate::percept::LEVEL_BOUND;
+    use crate::step;
     use crate::units::Nits;
+
+    fn exposure<'a>(
+        vision: &'a Vision,
+        pigments: &'a [Kinetics; 3],
+        planes: &'a Planes,
+        duration: Seconds,
+    ) -> Exposure<'a> {
+        Exposure {
+            vision,
+            pigments,
+            kept: None,
+            planes,
+            pupil: Millimetres(3.0),
+            gaze: [0.0; 2],
+            shift: [0.0; 2],
+            around: [0.0; 3],
+            pixels_per_degree: 1.0,
+            duration,
+        }
+    }
+
+    #[test]
+    fn long_steps_of_a_law_without_a_closed_form_are_no_error_of_the_run() {
+        let vision = Vision::of_rgb(Observer::standard(), &Primaries::REC709, Nits(1.0)).unwrap();
+        let law = Law::RateLimited { km: 0.2 };
+        let pigments = [Kinetics { law, half_bleach: Trolands(2e4), tau: Seconds(120.0) }; 3];
+        let planes = Planes { width: 1, height: 1, count: 3, samples: Samples::Float(vec![1e4; 3]) };
+        for duration in [10.0, 100.0, 1000.0].map(Seconds) {
+            let exposure = exposure(&vision, &pigments, &planes, duration);
+            let mut check = Check::new(vec![[0, 0]], |_| [1.0; 3]);
+            let td = exposure.illuminance(&[1e4; 3], [0, 0], &exposure.weights(0.0));
+            let truth = [0, 1, 2].map(|k| step::enclosed(&pigments[k], 1.0, Trolands(td[k]), duration, 1 << 14).p);
+            check.follow(&exposure, |_| truth);
+            assert!(check.largest()[0] < LEAST_KEPT, "{duration}: {:e}", check.largest()[0]);
+        }
+    }
 
     #[test]
     fn the_bound_of_the_levels_holds_out_of_gamut_too() {
         let vision = Vision::of_rgb(Observer::standard(), &Primaries::REC709, Nits(1.0)).unwrap();
-        let pigments = [crate::kinetics::Kinetics::first_order(Trolands(2e4), Seconds(120.0)); 3];
+        let pigments = [Kinetics::first_order(Trolands(2e4), Seconds(120.0)); 3];
         for green in (0..400).map(|i| -0.005 * i as f32) {
             let planes = Planes { width: 1, height: 1, count: 3, samples: Samples::Float(vec![1.0, green, 1.0]) };
-            let exposure = Exposure {
-                vision: &vision,
-                pigments: &pigments,
-                kept: None,
-                planes: &planes,
-                pupil: Millimetres(3.0),
-                gaze: [0.0; 2],
-                shift: [0.0; 2],
-                around: [0.0; 3],
-                pixels_per_degree: 1.0,
-                duration: Seconds(1.0),
-            };
+            let exposure = exposure(&vision, &pigments, &planes, Seconds(1.0));
             let light = [1.0, f64::from(green), 1.0];
             let error = exposure.error_of_catch(&light, [0, 0], [0.5; 3], [0.5; 3]);
             assert!(error <= LEVEL_BOUND, "{green}: {error:e}");

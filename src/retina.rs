@@ -88,8 +88,7 @@ impl Advance {
             Model::Unbleached => p,
             Model::Steady => pigment.steady(light),
             Model::Tracked { method, substeps: 0, budget } if method.name == "exact" => {
-                let most = || step::enclosed(pigment, p, light, self.duration, step::MOST_SUBSTEPS);
-                self.within(budget, pigment, p, light).unwrap_or_else(most).p
+                self.exact(budget, pigment, p, light)
             }
             Model::Tracked { method, substeps, .. } => method.hold(pigment, p, light, self.duration, substeps.max(1)),
         }
@@ -97,6 +96,12 @@ impl Advance {
 }
 
 impl Advance {
+    /// The exact step of any law, within `budget` where as many sub-steps as are tried can keep it.
+    pub fn exact(&self, budget: f64, pigment: &Kinetics, p: f64, light: Trolands) -> f64 {
+        let most = || step::enclosed(pigment, p, light, self.duration, step::MOST_SUBSTEPS);
+        self.within(budget, pigment, p, light).unwrap_or_else(most).p
+    }
+
     /// The exact step of any law, its sub-steps as many as keep the relative error of p, over the whole run, within
     /// `budget`; `None` if that are more than are tried.
     ///
