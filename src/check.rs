@@ -1,11 +1,11 @@
 //! The sampled check: a few hundred places of the run at full model beside it, and how far the two are apart.
 //!
-//! Full model: f64, every band, the definition of catch and illuminance at every nanometre instead of levels,
-//! sub-steps that keep a run within 2.5e-5, nothing left out. 192 places are spread over the picture, one in each cell of a grid; 64 are the
-//! brightest and the darkest of the first frame. Places are of the retina: when the gaze has moved, each sees what lies
-//! between four pixels, and its pigment is still compared, but no catch (and of spectral frames, whose bands are not
-//! kept everywhere, the illuminance is that of the moments). With n places spread at random and none beyond a bound, fewer than
-//! 3/n of all are beyond it, with 95 % confidence.
+//! Full model: f64, every band, the definition of catch and illuminance at every nanometre instead of levels, sub-steps
+//! that keep a run within 2.5e-5, nothing left out. 192 places are spread over the picture, one in each cell of a grid;
+//! 64 are the brightest and the darkest of the first frame. Places are of the retina: when the gaze has moved, each sees
+//! what lies between four pixels, and its pigment is still compared, but no catch (and of spectral frames, whose bands
+//! are not kept everywhere, the illuminance is that of the moments). With n places spread at random and none beyond a
+//! bound, fewer than 3/n of all are beyond it, with 95 % confidence.
 
 use std::sync::Arc;
 

@@ -38,8 +38,8 @@ pub(super) fn weighting_curves(observer: &Observer) -> Vec<Curve> {
     catches.chain(trolands).collect()
 }
 
-/// H at the levels, relative to the peak at p = 1, for every wavelength that is the peak at some p. (The S cone has two maxima, at 443 and 447 nm,
-/// whose order changes at p = 0.4: one smooth function would miss that by 7e-4.)
+/// H at the levels, relative to the peak at p = 1, for every wavelength that is the peak at some p. (The S cone has
+/// two maxima, at 443 and 447 nm, whose order changes at p = 0.4: one smooth function would miss that by 7e-4.)
 pub(super) fn peaks(observer: &Observer) -> Option<[Vec<[f64; 4]>; 3]> {
     let of_cone = |k: usize| {
         let levels = LEVELS.map(|p| observer.fundamentals.per_pigment(k, p));
