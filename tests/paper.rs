@@ -6,10 +6,10 @@ use std::path::Path;
 
 use sungaze::config::Config;
 use sungaze::config::settings::{DirectionalKey, NarrowingKey, PupilKey, SetKey, Steep, SteepWord};
-use sungaze::eye::{Adapting, Observer, Rule};
+use sungaze::eye::{Adapting, Directional, Field, Narrowing, Observer, Reading, Rule, Set, Steepness};
 use sungaze::frames::{About, Compression, write_exr};
-use sungaze::light::{Planes, Samples};
-use sungaze::percept::LEVEL_BOUND;
+use sungaze::light::{Planes, Primaries, Samples};
+use sungaze::percept::{LEVEL_BOUND, Vision};
 use sungaze::run::{self, Existing, Unwatched};
 use sungaze::spectrum::Curve;
 use sungaze::units::{LUMENS_PER_WATT, Millimetres, Nits};
@@ -288,4 +288,23 @@ fn seen(path: &Path) -> Vec<[f64; 3]> {
         sungaze::frames::open(&[path.to_owned()], &options).expect("a file").read(0, None, None).expect("pixels");
     let at = |i: usize| [0, 1, 2].map(|c| planes.planes.at(i % WIDTH, i / WIDTH, c));
     (0..WIDTH * HEIGHT).map(at).collect()
+}
+
+#[test]
+fn bleaching_begins_without_a_step_in_either_narrowing_of_any_set() {
+    let sets =
+        [(Set::Cie2006, Field::TenDegrees), (Set::Cie2006, Field::TwoDegrees), (Set::Smj1993, Field::TenDegrees)];
+    for ((set, field), narrowing) in
+        sets.into_iter().flat_map(|set| [Narrowing::Depleted, Narrowing::Narrowed].map(|narrowing| (set, narrowing)))
+    {
+        let directional = Directional::new(Reading::Off, Steepness::Measured);
+        let observer = Observer::new(set, field, set.optical_density(field), narrowing, directional);
+        let vision = Vision::of_rgb(observer, &Primaries::REC709, Nits(1.0)).unwrap();
+        let pixel = Planes { width: 1, height: 1, count: 3, samples: Samples::Float(vec![0.9, 0.5, 0.2]) };
+        let moments = vision.moments(&pixel, 0, 0);
+        let [whole, bleached] = [1.0, 1.0 - 1e-9].map(|p| vision.catch(&moments, [p; 3]));
+        for k in 0..3 {
+            assert!((bleached[k] / whole[k] - 1.0).abs() < 1e-8, "{set:?} {field:?} {narrowing:?} {k}");
+        }
+    }
 }

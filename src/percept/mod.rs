@@ -255,24 +255,6 @@ mod tests {
     }
 
     #[test]
-    fn bleaching_begins_without_a_step_in_either_narrowing_of_any_set() {
-        let sets =
-            [(Set::Cie2006, Field::TenDegrees), (Set::Cie2006, Field::TwoDegrees), (Set::Smj1993, Field::TenDegrees)];
-        for ((set, field), narrowing) in sets
-            .into_iter()
-            .flat_map(|set| [Narrowing::Depleted, Narrowing::Narrowed].map(|narrowing| (set, narrowing)))
-        {
-            let directional = Directional::new(Reading::Off, Steepness::Measured);
-            let vision = white_rgb(Observer::new(set, field, set.optical_density(field), narrowing, directional));
-            let moments = vision.moments(&pixel([0.9, 0.5, 0.2]), 0, 0);
-            let [whole, bleached] = [1.0, 1.0 - 1e-9].map(|p| vision.catch(&moments, [p; 3]));
-            for k in 0..3 {
-                assert!((bleached[k] / whole[k] - 1.0).abs() < 1e-8, "{set:?} {field:?} {narrowing:?} {k}");
-            }
-        }
-    }
-
-    #[test]
     fn whatever_cones_catch_has_luminance_to_their_own_observer() {
         for (set, field) in
             [(Set::Cie2006, Field::TenDegrees), (Set::Cie2006, Field::TwoDegrees), (Set::Smj1993, Field::TenDegrees)]

@@ -15,10 +15,11 @@ const SINGLE_BOUND: f64 = 1e-5;
 /// The greatest change of p for a change of ln I: 1/e (numerics 5.5).
 const PER_LOG_LIGHT: f64 = 0.3679;
 
-/// Typical cost of a place in a frame, one thread, ns: light, pigment and percept of RGB halves, for the model
-/// `none`, `steady`, `tracked`, and `tracked` with a law that has no closed form. Measured by
-/// `cargo bench --bench against_copy` and `sungaze chart ladder` on an EPYC of 2023; to compare by, not to rely on.
-const COST_NS: [f64; 4] = [2.0, 5.0, 6.0, 400.0];
+/// Typical cost of a place in a frame, ns: light, pigment and percept of RGB halves, for the model `none`, `steady`,
+/// `tracked`, and `tracked` with a law that has no closed form. The first three by `sungaze chart ladder`; the last by
+/// `sungaze plan --threads 1` on a bright sequence, 500 rate-limited and 1000 self-screened. On an EPYC of 2023; to
+/// compare by, not to rely on.
+const COST_NS: [f64; 4] = [2.0, 5.0, 6.0, 700.0];
 
 /// One reduction of the full model.
 #[derive(Clone, Debug, PartialEq)]
