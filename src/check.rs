@@ -68,7 +68,7 @@ impl Check {
         self.frames += 1;
         let still = exposure.shift == [0.0, 0.0];
         let central = exposure.weights(0.0);
-        let step = Advance { pigments: *exposure.pigments, model: Model::Unbleached, duration: exposure.duration };
+        let step = Advance::new(*exposure.pigments, Model::Unbleached, exposure.duration);
         for (i, &at) in self.places.iter().enumerate() {
             let light = if still { exposure.light(i, at) } else { Vec::new() };
             let td = if still { exposure.illuminance(&light, at, &central) } else { exposure.between(at, &central) };

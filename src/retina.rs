@@ -54,9 +54,21 @@ pub struct Advance {
     pub pigments: [Kinetics; 3],
     pub model: Model,
     pub duration: Seconds,
+    forms: [FirstOrderForm; 3],
 }
 
 impl Advance {
+    /// A step of some length by a model.
+    pub fn new(pigments: [Kinetics; 3], model: Model, duration: Seconds) -> Self {
+        let forms = pigments.each_ref().map(|pigment| FirstOrderForm::new(pigment, duration));
+        Advance { pigments, model, duration, forms }
+    }
+
+    /// The same step by another model.
+    pub fn by(&self, model: Model) -> Self {
+        Advance { model, ..*self }
+    }
+
     /// Moves rows of L, M, S pigment by rows of L, M, S light, td.
     pub fn row(&self, light: &[f32], p: &mut [f64]) {
         let width = p.len() / 3;
@@ -71,10 +83,10 @@ impl Advance {
         match self.model {
             Model::Unbleached => {}
             Model::Steady if pigment.law == Law::FirstOrder => {
-                kernel::steady(FirstOrderForm::new(pigment, self.duration), light, p);
+                kernel::steady(self.forms[cone], light, p);
             }
             Model::Tracked { method, .. } if pigment.law == Law::FirstOrder && method.name == "exact" => {
-                return kernel::relax(FirstOrderForm::new(pigment, self.duration), light, p);
+                return kernel::relax(self.forms[cone], light, p);
             }
             _ => p.iter_mut().zip(light).for_each(|(p, &td)| *p = self.place(pigment, *p, f64::from(td))),
         }
@@ -233,7 +245,7 @@ mod tests {
         let pigments = [Kinetics::first_order(Trolands(2e4), Seconds(120.0)); 3];
         let Some(method) = Method::named("exact") else { panic!("exact is in the table") };
         let model = Model::Tracked { method, substeps: 0, budget: 1e-3 };
-        let advance = Advance { pigments, model, duration: Seconds(10.0) };
+        let advance = Advance::new(pigments, model, Seconds(10.0));
         let mut retina = Retina::rested(2, 1);
         retina.rows_mut().for_each(|row| advance.row(&[1e6; 6], row));
         retina.advance_beyond(&advance, [1e4; 3]);
@@ -257,7 +269,7 @@ mod tests {
         for law in laws {
             let pigment = Kinetics { law, half_bleach: Trolands(2e4), tau: Seconds(120.0) };
             for (td, dt) in grid(-4, 44).flat_map(|td| grid(-12, 16).map(move |dt| (td, dt))) {
-                let advance = Advance { pigments: [pigment; 3], model: Model::Steady, duration: Seconds(dt) };
+                let advance = Advance::new([pigment; 3], Model::Steady, Seconds(dt));
                 for p in [1.0, 0.9, 0.3, 1e-2, 1e-4, 1e-8] {
                     let found = advance.within(LEAST_KEPT, &pigment, p, Trolands(td));
                     assert!(found.is_some(), "{law:?}: {td} td for {dt} s from {p}");

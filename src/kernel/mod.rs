@@ -21,7 +21,7 @@ pub use extremes::{dimmest, greatest, least};
 pub use halves::{narrow, widen};
 pub use percept::{PerceptForm, percept};
 pub use pigment::{FirstOrderForm, relax, steady};
-pub use sums::{combine, illuminance, weaken};
+pub use sums::{combine, floored, illuminance, weaken};
 
 use crate::light::Row;
 

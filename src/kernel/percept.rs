@@ -82,12 +82,20 @@ struct Percept<'a> {
     form: &'a PerceptForm,
     light: Strip<'a>,
     p: [&'a [f64]; 3],
+    single: &'a mut [[f32; TILE]; 3],
     seen: [&'a mut [f32]; 3],
 }
 
-/// The percept of a tile. `light`: its planes; `p`: unbleached fractions of L, M, S; `seen`: R, G, B.
-pub fn percept(form: &PerceptForm, light: Strip<'_>, p: [&[f64]; 3], seen: [&mut [f32]; 3]) {
-    vectorised(Percept { form, light, p, seen });
+/// The percept of a tile. `light`: its planes; `p`: unbleached fractions of L, M, S; `single`: room for them in
+/// single precision; `seen`: R, G, B.
+pub fn percept(
+    form: &PerceptForm,
+    light: Strip<'_>,
+    p: [&[f64]; 3],
+    single: &mut [[f32; TILE]; 3],
+    seen: [&mut [f32]; 3],
+) {
+    vectorised(Percept { form, light, p, single, seen });
 }
 
 impl WithSimd for Percept<'_> {
@@ -95,8 +103,7 @@ impl WithSimd for Percept<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Percept { form, light, p, seen } = self;
-        let mut single = [[0.0f32; TILE]; 3];
+        let Percept { form, light, p, single, seen } = self;
         for (single, p) in single.iter_mut().zip(p) {
             for (single, &p) in single.iter_mut().zip(p) {
                 *single = p as f32;
@@ -105,10 +112,10 @@ impl WithSimd for Percept<'_> {
         let [r, g, b] = seen;
         let (width, lanes) = (light.width(), S::F32_LANES);
         if width < lanes {
-            return look(pulp::Scalar, form, light, 0..width, &single, [r, g, b]);
+            return look(pulp::Scalar, form, light, 0..width, single, [r, g, b]);
         }
-        look(simd, form, light, 0..width / lanes * lanes, &single, [&mut *r, &mut *g, &mut *b]);
-        look(simd, form, light, width - lanes..width, &single, [r, g, b]);
+        look(simd, form, light, 0..width / lanes * lanes, single, [&mut *r, &mut *g, &mut *b]);
+        look(simd, form, light, width - lanes..width, single, [r, g, b]);
     }
 }
 
@@ -255,7 +262,7 @@ mod tests {
         let mut seen = [0.0; 3];
         let [r, g, b] = &mut seen;
         let out = [r, g, b].map(std::slice::from_mut);
-        percept(form, Strip::whole(planes, 1), p.each_ref().map(std::slice::from_ref), out);
+        percept(form, Strip::whole(planes, 1), p.each_ref().map(std::slice::from_ref), &mut [[0.0; TILE]; 3], out);
         seen
     }
 
@@ -317,7 +324,9 @@ mod tests {
             let (r, rest) = seen.split_at_mut(201);
             let (g, b) = rest.split_at_mut(201);
             let p = [0, 1, 2].map(|k| &p[k * 201..][..201]);
-            let work = Percept { form: &form, light: Strip::whole(&light, 201), p, seen: [r, g, b] };
+            let mut single = [[0.0; TILE]; 3];
+            let light = Strip::whole(&light, 201);
+            let work = Percept { form: &form, light, p, single: &mut single, seen: [r, g, b] };
             if scalar {
                 work.with_simd(pulp::Scalar)
             } else {

@@ -5,6 +5,7 @@ use std::ops::Range;
 use pulp::{Simd, WithSimd};
 
 use super::decay::decay;
+use super::extremes::greatest_of;
 use super::{Strip, TILE, greatest, vectorised};
 
 struct Combine<'a> {
@@ -32,6 +33,32 @@ pub fn illuminance(light: Strip<'_>, weights: &[Vec<f32>; 3], out: [&mut [f32]; 
         *most = greatest(out);
     }
     most
+}
+
+/// Illuminance that is there already but for its floor: no light is negative. Returns the greatest of each cone.
+pub fn floored(sums: [&[f32]; 3], out: [&mut [f32]; 3]) -> [f32; 3] {
+    vectorised(Floored { sums, out })
+}
+
+struct Floored<'a> {
+    sums: [&'a [f32]; 3],
+    out: [&'a mut [f32]; 3],
+}
+
+impl WithSimd for Floored<'_> {
+    type Output = [f32; 3];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> [f32; 3] {
+        let mut most = [0.0; 3];
+        for ((sums, out), most) in self.sums.iter().zip(self.out).zip(&mut most) {
+            for (out, &sum) in out.iter_mut().zip(*sums) {
+                *out = if sum > 0.0 { sum } else { 0.0 };
+            }
+            *most = greatest_of(out);
+        }
+        most
+    }
 }
 
 /// The illuminance of RGB light, all cones at once.

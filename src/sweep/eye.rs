@@ -149,7 +149,7 @@ impl Eye {
         pixels: &[[usize; 2]],
     ) -> Option<Vec<Reading>> {
         let mut places = self.places.take()?;
-        let advance = Advance { pigments: self.whole.pigments, model, duration: span.length() };
+        let advance = Advance::new(self.whole.pigments, model, span.length());
         for (p, &pixel) in places.iter_mut().zip(pixels) {
             let light = self.illuminance(lit, span.aim, pupil, pixel);
             *p = [0, 1, 2].map(|k| advance.place(&self.whole.pigments[k], p[k], light[k]));

@@ -64,7 +64,7 @@ pub(super) fn tracked() -> Model {
 fn after(pigment: &Kinetics, model: Model, light: f64, duration: f64, p: f64) -> f64 {
     let pigments = [*pigment; 3];
     let mut row = [p; 3];
-    Advance { pigments, model, duration: Seconds(duration) }.row(&[light as f32; 3], &mut row);
+    Advance::new(pigments, model, Seconds(duration)).row(&[light as f32; 3], &mut row);
     row[0]
 }
 

@@ -135,7 +135,7 @@ impl Viewer {
     }
 
     fn advance(&self, glance: &Glance<'_>) -> Advance {
-        Advance { pigments: self.pigments, model: glance.model, duration: glance.duration }
+        Advance::new(self.pigments, glance.model, glance.duration)
     }
 
     /// One pass over each row, tile by tile: light, pigment, percept.
@@ -167,7 +167,7 @@ impl Viewer {
                         let planes = [light.plane(0), light.plane(1), light.plane(2)];
                         census.limited += stored(planes, seen, from);
                     } else {
-                        kernel::percept(form, light, p.map(|p| &*p), rgb.each_mut().map(|rgb| &mut rgb[..width]));
+                        kernel::percept(form, light, p.map(|p| &*p), td, rgb.each_mut().map(|rgb| &mut rgb[..width]));
                         census.limited += stored(rgb.each_ref().map(|rgb| &rgb[..width]), seen, from);
                     }
                 }
@@ -251,7 +251,7 @@ impl Viewer {
         let [x0, y0] = self.retina.origin();
         seen.par_chunks_exact_mut(3 * planes.width)
             .enumerate()
-            .map_init(Room::new, |Room { light: room, rgb, .. }, (y, seen)| {
+            .map_init(Room::new, |Room { light: room, td, rgb }, (y, seen)| {
                 let mut p = [[0.0; TILE]; 3];
                 let mut census = Census::EMPTY;
                 for (from, width) in glance.sight.tiles(planes.width) {
@@ -259,7 +259,7 @@ impl Viewer {
                     let at = [from as f64 - shift[0] - x0 as f64, y as f64 - shift[1] - y0 as f64];
                     pigment.resample(at, p.each_mut().map(|p| &mut p[..width]));
                     let p = p.each_ref().map(|p| &p[..width]);
-                    kernel::percept(&self.form, light, p, rgb.each_mut().map(|rgb| &mut rgb[..width]));
+                    kernel::percept(&self.form, light, p, td, rgb.each_mut().map(|rgb| &mut rgb[..width]));
                     census.limited += stored(rgb.each_ref().map(|rgb| &rgb[..width]), seen, from);
                 }
                 census

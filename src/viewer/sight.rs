@@ -19,6 +19,8 @@ pub(super) struct Sight {
 enum Weakening {
     /// At every place alike: weights of the tile's planes for each cone.
     Alike([Vec<f32>; 3]),
+    /// At every place alike, and the tile's planes from this one on are the illuminances but for their floor.
+    Summed(usize),
     /// By the distance from the gaze (the paper's reading).
     ByPlace(ByPlace),
 }
@@ -46,7 +48,7 @@ impl Sight {
             let weights = [0, 1, 2].map(|k| single(uniform_weights(vision, pupil, k)));
             return Sight {
                 bands: held.then(|| BandSums::new(&(0..first).map(moment).chain(weights.clone()).collect::<Vec<_>>())),
-                weakening: Weakening::Alike(if held { [0, 1, 2].map(|k| unit(first + k)) } else { weights }),
+                weakening: if held { Weakening::Summed(first) } else { Weakening::Alike(weights) },
                 planes_in: planes.count,
                 converted,
             };
@@ -91,6 +93,7 @@ impl Sight {
     pub fn illuminance(&self, light: Strip<'_>, [x, y]: [usize; 2], td: [&mut [f32]; 3]) -> [f32; 3] {
         match &self.weakening {
             Weakening::Alike(weights) => kernel::illuminance(light, weights, td),
+            Weakening::Summed(first) => kernel::floored([0, 1, 2].map(|k| light.plane(first + k)), td),
             Weakening::ByPlace(by_place) => by_place.illuminance(light, [x, y], td),
         }
     }
