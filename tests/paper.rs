@@ -249,7 +249,7 @@ fn write_frames(folder: &Path) {
 }
 
 #[test]
-fn a_run_of_the_paper_is_equations_1_to_7_within_the_bound_of_its_four_levels() {
+fn a_run_of_the_paper_is_equations_1_to_7_within_the_bound_of_its_levels() {
     for (narrowing, own_peak) in [("narrowed", true), ("depleted", false)] {
         let folder = tempfile::tempdir().expect("a folder");
         write_frames(folder.path());

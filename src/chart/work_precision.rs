@@ -15,7 +15,7 @@ use std::path::Path;
 /// How far published half-bleach constants move p.
 const PUBLISHED_SPREAD: f64 = 0.23;
 
-/// Nanoseconds that the spectral part costs per place and cone: four stored levels, and all bands.
+/// Nanoseconds that the spectral part costs per place and cone: by stored levels, and by all bands.
 const SPECTRAL_NS: [f64; 2] = [22.0, 280.0];
 
 /// Methods that are drawn; the table has all of them.
@@ -196,7 +196,7 @@ fn legend(sheet: &mut Sheet, top: f64) {
         "Marks along a line: 1, 2, 4, 8, 16 sub-steps, or tolerances 10⁻² to 10⁻¹⁰. Failed: B blow-up, N negative \
          pigment, R ringing, F frozen."
             .to_owned(),
-        "Dotted: how far published half-bleach constants move p (0.23). Dashed: the spectral part, 22 ns with four \
+        "Dotted: how far published half-bleach constants move p (0.23). Dashed: the spectral part, 22 ns with \
          stored levels, 280 ns with all bands."
             .to_owned(),
         "Only in “ramp” does light move within a frame: there exact holds its mean, errs by at most 0.197 h/τ = \

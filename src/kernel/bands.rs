@@ -8,10 +8,10 @@ use pulp::{Simd, WithSimd};
 use super::{Strip, ask_for, vectorised};
 
 /// Sums that are carried at once where there are 32 registers: they, the light and a product.
-const GROUP: usize = 15;
+const GROUP: usize = 12;
 
 /// Sums that are carried at once, over two vectors of light, where there are sixteen registers or few sums are left.
-const PART: usize = 5;
+const PART: usize = 6;
 
 /// How far ahead a run is asked for, in samples.
 const AHEAD: usize = 96;
@@ -79,7 +79,7 @@ impl Project<'_> {
     fn pair<S: Simd>(&mut self, simd: S, at: usize) {
         for from in (0..self.sums.rows).step_by(GROUP) {
             let rows = GROUP.min(self.sums.rows - from);
-            if S::REGISTER_COUNT >= 32 && rows > 2 * PART {
+            if S::REGISTER_COUNT >= 32 && rows > PART {
                 self.add::<S, GROUP, 1>(simd, from, at);
                 self.add::<S, GROUP, 1>(simd, from, at + S::F32_LANES);
             } else {
@@ -94,13 +94,14 @@ impl Project<'_> {
     #[inline(always)]
     fn add<S: Simd, const ROWS: usize, const VECTORS: usize>(&mut self, simd: S, from: usize, at: usize) {
         let (group, first) = (&self.sums.groups[from / GROUP], from % GROUP);
+        let ahead = self.light.ahead(at, AHEAD);
         let places = VECTORS * S::F32_LANES;
         let mut totals = [[simd.splat_f32s(0.0); VECTORS]; ROWS];
         for (band, weights) in group.iter().enumerate() {
             let run = &self.light.plane(band)[at..][..places];
             if from == 0 {
                 for i in 0..VECTORS {
-                    ask_for(run.as_ptr().wrapping_add(AHEAD + i * S::F32_LANES));
+                    ask_for(run.as_ptr().wrapping_add(ahead + i * S::F32_LANES));
                 }
             }
             let light = S::as_simd_f32s(run).0;

@@ -96,6 +96,14 @@ impl<'a> Strip<'a> {
         self.samples.len() / self.stride
     }
 
+    /// How far behind place `at` of a plane its place `at` + `places` is stored: in the next row, if this one ends
+    /// before.
+    #[inline(always)]
+    fn ahead(&self, at: usize, places: usize) -> usize {
+        let in_row = self.from + at + places < self.stride;
+        if in_row { places } else { places + self.samples.len() - self.stride }
+    }
+
     /// The run of one plane.
     #[inline(always)]
     pub fn plane(&self, i: usize) -> &'a [f32] {

@@ -1,15 +1,14 @@
-//! The percept of a run: catches through the pigments by the four levels, then the picture's RGB.
+//! The percept of a run: catches through the pigments by their levels, then the picture's RGB.
 //!
 //! ```text
-//! RGB:      R_k(p) = p sum_i W_ki(p) light_i              W_ki: a cubic in p for each plane
-//! moments:  R_k(p) = p 16/3 (b (p M3 - (p-1) M0) + 2 a ((p-3/4) M1 - (p-1/4) M2)),   a = p (p-1), b = (p-1/4) (p-3/4)
+//! RGB:      R_k(p) = p sum_i W_ki(p) light_i              W_ki: a cubic in p for each plane, through four levels
+//! moments:  R_k(p) = p (M2 + (1-p) (a(p) (M0 - M2) + b(p) (M1 - M2)))          a, b: cubics in p; three levels
 //! seen = A R
 //! ```
 //!
-//! Both are Lagrange's cubic through the levels 0, 1/4, 3/4, 1. Where all three p are 1 the light itself is
-//! returned: RGB as it came in, moments as their catch at p = 1. (p counts as 1 where it is nearer to 1 than to any
-//! other f32.) Written out in vectors, of
-//! which the last may overlap the one before.
+//! Where all three p are 1 the light itself is returned: RGB as it came in, moments as their catch at p = 1. (p
+//! counts as 1 where it is nearer to 1 than to any other f32.) Written out in vectors, of which the last may overlap
+//! the one before.
 
 use std::ops::Range;
 
@@ -17,15 +16,15 @@ use pulp::{Simd, WithSimd};
 
 use super::{Strip, TILE, vectorised};
 use crate::colour::Matrix;
-use crate::percept::{LEVELS, Vision, level_weights};
+use crate::percept::{Levels, Vision};
 
 /// A vision's percept in the shape its loop wants.
 #[derive(Clone, Debug)]
 pub struct PerceptForm {
     reception: Reception,
     lms_to_seen: [[f32; 3]; 3],
-    /// `[cone]`: cubics whose largest is the peak, lowest power first; empty for the `depleted` reading.
-    peaks: [Vec<[f32; 4]>; 3],
+    /// `[cone]`: polynomials whose largest is the peak, lowest power first; empty for the `depleted` reading.
+    peaks: [Vec<[f32; 5]>; 3],
 }
 
 /// How the planes become catches per pigment.
@@ -33,49 +32,36 @@ pub struct PerceptForm {
 enum Reception {
     /// `[cone][plane]`: the plane's weight, a cubic in p, lowest power first.
     Rgb([[[f32; 4]; 3]; 3]),
-    /// The planes of cone k are its four moments, from plane 4 k on.
-    Moments,
+    /// The planes of cone k are its three moments, from plane 3 k on; the cubics that mix them, lowest power first.
+    Moments { outer: [f32; 4], middle: [f32; 4] },
 }
 
 impl PerceptForm {
     /// The percept of a vision.
     pub fn new(vision: &Vision) -> Self {
-        let to_powers = powers_of_levels();
+        let levels = vision.levels();
         let single = |m: &Matrix| m.map(|row| row.map(|v| v as f32));
-        let cubic = |h: &[f64; 4]| to_powers.map(|row| row.iter().zip(h).map(|(v, h)| v * h).sum::<f64>() as f32);
-        let of_rgb =
-            |k: usize, plane: usize| cubic(&[0, 1, 2, 3].map(|j| vision.moment_weights(k * LEVELS.len() + j)[plane]));
+        let rows: Vec<Vec<f64>> = (0..vision.first_illuminance()).map(|row| vision.moment_weights(row)).collect();
+        let of_rgb = |k: usize, plane: usize| {
+            let values: Vec<f64> = rows[k * levels.len()..][..levels.len()].iter().map(|row| row[plane]).collect();
+            let [c0, c1, c2, c3, _] = levels.polynomial(&values).map(|c| c as f32);
+            [c0, c1, c2, c3]
+        };
+        let peak = |values: &Vec<f64>| levels.polynomial(values).map(|c| c as f32);
         PerceptForm {
-            reception: if vision.returns_its_light() {
-                Reception::Rgb([0, 1, 2].map(|k| [0, 1, 2].map(|plane| of_rgb(k, plane))))
-            } else {
-                Reception::Moments
+            reception: match levels {
+                Levels::Four => Reception::Rgb([0, 1, 2].map(|k| [0, 1, 2].map(|plane| of_rgb(k, plane)))),
+                Levels::Three { outer, middle } => {
+                    Reception::Moments { outer: outer.map(|c| c as f32), middle: middle.map(|c| c as f32) }
+                }
             },
             lms_to_seen: single(&vision.lms_to_seen),
             peaks: match vision.peaks() {
                 None => [const { Vec::new() }; 3],
-                Some(peaks) => [0, 1, 2].map(|k| peaks[k].iter().map(cubic).collect()),
+                Some(peaks) => [0, 1, 2].map(|k| peaks[k].iter().map(peak).collect()),
             },
         }
     }
-}
-
-/// `[power][level]`: values at [`LEVELS`] -> coefficients of the cubic through them.
-fn powers_of_levels() -> [[f64; 4]; 4] {
-    // Thirds of the cubic's third difference would lose digits; the four samples below are exact in binary.
-    let at = [0.0, 1.0, 2.0, -1.0].map(level_weights);
-    let mut rows = [[0.0; 4]; 4];
-    for j in 0..4 {
-        let [f0, f1, f2, fm] = [at[0][j], at[1][j], at[2][j], at[3][j]];
-        let even = (f1 + fm) / 2.0 - f0;
-        let odd = (f1 - fm) / 2.0;
-        let third = ((f2 - f0 - 4.0 * even) / 2.0 - odd) / 3.0;
-        rows[0][j] = f0;
-        rows[1][j] = odd - third;
-        rows[2][j] = even;
-        rows[3][j] = third;
-    }
-    rows
 }
 
 struct Percept<'a> {
@@ -151,16 +137,17 @@ fn look<S: Simd>(
                 }
             }
         }
-        Reception::Moments => {
-            let mut planes: [&[S::f32s]; 12] = [&[]; 12];
+        Reception::Moments { outer, middle } => {
+            let mut planes: [&[S::f32s]; 9] = [&[]; 9];
             for (i, plane) in planes.iter_mut().enumerate() {
                 *plane = vectors::<S>(&light.plane(i)[range.clone()]);
             }
             for x in 0..p[0].len() {
                 let mut catch = [simd.splat_f32s(0.0); 3];
                 for k in 0..3 {
-                    let m = [planes[4 * k][x], planes[4 * k + 1][x], planes[4 * k + 2][x], planes[4 * k + 3][x]];
-                    catch[k] = catch_of_moments(simd, &form.peaks[k], p[k][x], m);
+                    let m = [planes[3 * k][x], planes[3 * k + 1][x], planes[3 * k + 2][x]];
+                    let sum = mixed(simd, [outer, middle], p[k][x], m);
+                    catch[k] = finished(simd, &form.peaks[k], p[k][x], sum, m[2]);
                 }
                 for (row, seen) in form.lms_to_seen.iter().zip(&mut seen) {
                     seen[x] = row_times(simd, row, catch);
@@ -185,11 +172,11 @@ fn seen_of_rgb<S: Simd>(
 ) -> [S::f32s; 3] {
     let mut catch = [simd.splat_f32s(0.0); 3];
     for k in 0..3 {
-        let mut sum = simd.mul_f32s(cubic(simd, &weights[k][0], p[k]), light[0]);
+        let mut sum = simd.mul_f32s(polynomial(simd, &weights[k][0], p[k]), light[0]);
         for i in 1..3 {
-            sum = simd.add_f32s(sum, simd.mul_f32s(cubic(simd, &weights[k][i], p[k]), light[i]));
+            sum = simd.add_f32s(sum, simd.mul_f32s(polynomial(simd, &weights[k][i], p[k]), light[i]));
         }
-        catch[k] = finished(simd, &form.peaks[k], p[k], sum);
+        catch[k] = finished(simd, &form.peaks[k], p[k], sum, sum);
     }
     let one = simd.splat_f32s(1.0);
     let lm = simd.and_m32s(simd.equal_f32s(p[0], one), simd.equal_f32s(p[1], one));
@@ -201,39 +188,35 @@ fn seen_of_rgb<S: Simd>(
     seen
 }
 
-/// The catch of a whole pigment is a level itself.
+/// Catch per pigment of three moments.
 #[inline(always)]
-fn catch_of_moments<S: Simd>(simd: S, peaks: &[[f32; 4]], p: S::f32s, m: [S::f32s; 4]) -> S::f32s {
-    let p1 = simd.sub_f32s(p, simd.splat_f32s(0.25));
-    let p2 = simd.sub_f32s(p, simd.splat_f32s(0.75));
-    let p3 = simd.sub_f32s(p, simd.splat_f32s(1.0));
-    let (a, b) = (simd.mul_f32s(p, p3), simd.mul_f32s(p1, p2));
-    let outer = simd.sub_f32s(simd.mul_f32s(p, m[3]), simd.mul_f32s(p3, m[0]));
-    let inner = simd.sub_f32s(simd.mul_f32s(p2, m[1]), simd.mul_f32s(p1, m[2]));
-    let sum = simd.add_f32s(simd.mul_f32s(b, outer), simd.mul_f32s(simd.add_f32s(a, a), inner));
-    let catch = finished(simd, peaks, p, simd.mul_f32s(simd.splat_f32s(16.0 / 3.0), sum));
-    simd.select_f32s(simd.equal_f32s(p, simd.splat_f32s(1.0)), m[3], catch)
+fn mixed<S: Simd>(simd: S, [outer, middle]: [&[f32; 4]; 2], p: S::f32s, m: [S::f32s; 3]) -> S::f32s {
+    let outer = simd.mul_f32s(polynomial(simd, outer, p), simd.sub_f32s(m[0], m[2]));
+    let middle = simd.mul_f32s(polynomial(simd, middle, p), simd.sub_f32s(m[1], m[2]));
+    let bleached = simd.sub_f32s(simd.splat_f32s(1.0), p);
+    simd.add_f32s(m[2], simd.mul_f32s(bleached, simd.add_f32s(outer, middle)))
 }
 
-/// Catch per pigment -> catch: times p, or for the `narrowed` reading over its own peak.
+/// Catch per pigment -> catch: times p, or for the `narrowed` reading over its own peak. That of a whole pigment is
+/// known.
 #[inline(always)]
-fn finished<S: Simd>(simd: S, peaks: &[[f32; 4]], p: S::f32s, per_pigment: S::f32s) -> S::f32s {
+fn finished<S: Simd>(simd: S, peaks: &[[f32; 5]], p: S::f32s, per_pigment: S::f32s, whole: S::f32s) -> S::f32s {
     if peaks.is_empty() {
         return simd.mul_f32s(p, per_pigment);
     }
     let mut greatest = simd.splat_f32s(0.0);
     for peak in peaks {
-        greatest = simd.max_f32s(greatest, cubic(simd, peak, p));
+        greatest = simd.max_f32s(greatest, polynomial(simd, peak, p));
     }
-    simd.div_f32s(per_pigment, greatest)
+    simd.select_f32s(simd.equal_f32s(p, simd.splat_f32s(1.0)), whole, simd.div_f32s(per_pigment, greatest))
 }
 
-/// c0 + c1 p + c2 p^2 + c3 p^3.
+/// c0 + c1 p + c2 p^2 + ..
 #[inline(always)]
-fn cubic<S: Simd>(simd: S, c: &[f32; 4], p: S::f32s) -> S::f32s {
-    let mut sum = simd.splat_f32s(c[3]);
-    for i in [2, 1, 0] {
-        sum = simd.add_f32s(simd.mul_f32s(sum, p), simd.splat_f32s(c[i]));
+fn polynomial<S: Simd, const N: usize>(simd: S, c: &[f32; N], p: S::f32s) -> S::f32s {
+    let mut sum = simd.splat_f32s(c[N - 1]);
+    for &c in c.iter().rev().skip(1) {
+        sum = simd.add_f32s(simd.mul_f32s(sum, p), simd.splat_f32s(c));
     }
     sum
 }

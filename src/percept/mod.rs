@@ -1,12 +1,13 @@
 //! What one observer makes of one kind of light: planes of a frame -> cone illuminance -> percept.
 //!
-//! A catch through a pigment at p is, within 2e-4, a sum over four fixed spectra (numerics 5.3):
+//! A catch through a pigment at p is, within 2e-4, a sum over a few fixed spectra, one for each of its [`Levels`]
+//! (numerics 5.3):
 //!
 //! ```text
-//! R_k(p) = p sum_j w_j(p) M_kj,   M_kj = 683 integral L H_k(.; p_j),   H = s_k(.; p)/p,   p_j = 0, 1/4, 3/4, 1
+//! R_k(p) = p sum_j w_j(p) M_kj,   M_kj = 683 integral L H_k(.; p_j),   H = s_k(.; p)/p,   p_j = 0 .. 1
 //! ```
 //!
-//! with Lagrange weights w_j. Cone illuminance takes one more inner product per level of the Stiles-Crawford
+//! Cone illuminance takes one more inner product per level of the Stiles-Crawford
 //! weight. So the light is projected once ([`Vision::projection`]), whatever pupil and pigment do: the *moments*.
 //! p = 1 is a level, hence an unbleached eye is exact.
 
@@ -19,8 +20,8 @@ use crate::light::{Planes, Primaries, Projection};
 use crate::spectrum::{Bands, Curve};
 use crate::units::{LUMENS_PER_WATT, Millimetres, Nits};
 
-pub use levels::{LEVEL_BOUND, LEVELS, level_bound, level_weights};
-use levels::{mix, peaks, weighting_curves};
+pub use levels::{LEVEL_BOUND, Levels, level_bound};
+use levels::{peaks, weighting_curves};
 use primaries::{basis_of_rgb, inner, srgb_catches, srgb_lights};
 
 /// How planes become moments.
@@ -39,6 +40,7 @@ enum Reception {
 pub struct Vision {
     pub observer: Observer,
     reception: Reception,
+    levels: Levels,
     /// LMS (in units whose Y is cd/m2) -> the picture's own RGB and scale.
     pub lms_to_seen: Matrix,
     /// The picture's RGB and scale -> linear sRGB in cd/m2, for the display.
@@ -48,7 +50,7 @@ pub struct Vision {
     /// Spectral radiance, W m^-2 sr^-1 nm^-1, of each stored plane at the value 1: RGB, or the bands.
     basis: Vec<Curve>,
     /// `narrowed` reading: H_k at the levels, for each wavelength at which the fundamental peaks at some p.
-    peaks: Option<[Vec<[f64; 4]>; 3]>,
+    peaks: Option<[Vec<Vec<f64>>; 3]>,
 }
 
 impl Vision {
@@ -58,7 +60,8 @@ impl Vision {
         let to_srgb = colour::to_rec709(primaries)?;
         let y = colour::rgb_to_xyz(primaries)?[1];
         let srgb = srgb_lights(&observer);
-        let rows = weighting_curves(&observer);
+        let levels = Levels::Four;
+        let rows = weighting_curves(&observer, &levels);
         let row = |curve: &Curve| {
             let in_srgb = [0, 1, 2].map(|j| white.0 * inner(curve, &srgb[j]));
             [0, 1, 2].map(|j| (0..3).map(|i| in_srgb[i] * to_srgb[i][j]).sum())
@@ -72,18 +75,20 @@ impl Vision {
             luminance: y.iter().map(|v| v * white.0).collect(),
             reception: Reception::Rgb(rows.iter().map(row).collect()),
             basis: basis_of_rgb(&srgb, &to_srgb, white),
-            peaks: peaks(&observer),
+            peaks: peaks(&observer, &levels),
+            levels,
             observer,
         })
     }
 
     /// Sight of spectral light in these bands. The percept is linear sRGB in cd/m2.
     pub fn of_bands(observer: Observer, bands: &Bands) -> Self {
-        let rows = weighting_curves(&observer);
+        let levels = Levels::three(observer.fundamentals.density().into_iter().fold(0.0, f64::max));
+        let rows = weighting_curves(&observer, &levels);
         let weights = rows.iter().flat_map(|row| row.over(bands)).map(|w| (LUMENS_PER_WATT * w) as f32).collect();
         let mut luminance = vec![0.0; rows.len()];
         for (k, y) in observer.lms_to_xyz[1].into_iter().enumerate() {
-            luminance[k * LEVELS.len() + 3] = y;
+            luminance[k * levels.len() + levels.len() - 1] = y;
         }
         Vision {
             lms_to_seen: colour::inverse(&srgb_catches(&observer, &srgb_lights(&observer))),
@@ -91,7 +96,8 @@ impl Vision {
             luminance,
             reception: Reception::Bands(Projection::new(bands.len(), rows.len(), weights)),
             basis: bands.as_slice().iter().map(|band| Curve::within(band.low, band.high)).collect(),
-            peaks: peaks(&observer),
+            peaks: peaks(&observer, &levels),
+            levels,
             observer,
         }
     }
@@ -134,9 +140,20 @@ impl Vision {
         }
     }
 
-    /// How many moments a place has: 12 for the catches, then three per level of the Stiles-Crawford weight.
+    /// The levels of p at which light is projected.
+    pub fn levels(&self) -> &Levels {
+        &self.levels
+    }
+
+    /// How many moments a place has: three per level of p, cone by cone, then three per level of the Stiles-Crawford
+    /// weight.
     pub fn moment_count(&self) -> usize {
-        3 * (LEVELS.len() + self.observer.directional.levels().len())
+        self.first_illuminance() + 3 * self.observer.directional.levels().len()
+    }
+
+    /// The first moment that belongs to cone illuminance.
+    pub fn first_illuminance(&self) -> usize {
+        3 * self.levels.len()
     }
 
     /// The weights of the planes in moment `row`.
@@ -167,10 +184,14 @@ impl Vision {
     /// Moments of light that an equal-energy spectrum of one cd/m2 would have: what surrounds the picture.
     pub fn equal_energy_moments(&self) -> Vec<f64> {
         let unit = 1.0 / (LUMENS_PER_WATT * self.observer.luminous_efficiency().integral());
-        weighting_curves(&self.observer).iter().map(|row| unit * LUMENS_PER_WATT * row.integral()).collect()
+        weighting_curves(&self.observer, &self.levels)
+            .iter()
+            .map(|row| unit * LUMENS_PER_WATT * row.integral())
+            .collect()
     }
 
-    /// Cone illuminance as a linear form of the moments: `[cone][level]`, to be applied to moments `12 + ...`.
+    /// Cone illuminance as a linear form of the moments: `[cone][level]`, to be applied to
+    /// moments from [`Vision::first_illuminance`] on.
     pub fn illuminance_weights(&self, pupil: Millimetres, r: Millimetres) -> [Vec<f64>; 3] {
         let area = crate::eye::pupil::area(pupil);
         self.observer
@@ -182,7 +203,7 @@ impl Vision {
     pub fn illuminance(&self, moments: &[f64], weights: &[Vec<f64>; 3]) -> [f64; 3] {
         let levels = self.observer.directional.levels().len();
         [0, 1, 2].map(|k| {
-            let of_cone = &moments[3 * LEVELS.len() + k * levels..][..levels];
+            let of_cone = &moments[self.first_illuminance() + k * levels..][..levels];
             of_cone.iter().zip(&weights[k]).map(|(m, w)| m * w).sum::<f64>().max(0.0)
         })
     }
@@ -190,15 +211,15 @@ impl Vision {
     /// Catches of one place through its pigments, in units whose Y row gives cd/m2.
     pub fn catch(&self, moments: &[f64], p: [f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|k| {
-            let of_cone = &moments[k * LEVELS.len()..][..LEVELS.len()];
+            let levels = self.levels.len();
+            let of_cone = &moments[k * levels..][..levels];
             if p[k] == 1.0 {
-                return of_cone[3];
+                return of_cone[levels - 1];
             }
-            let weights = level_weights(p[k]);
-            let sum = mix(&weights, of_cone);
+            let sum = self.levels.mix(p[k], of_cone);
             match &self.peaks {
                 None => p[k] * sum,
-                Some(peaks) => sum / peaks[k].iter().map(|h| mix(&weights, h)).fold(0.0, f64::max),
+                Some(peaks) => sum / peaks[k].iter().map(|h| self.levels.mix(p[k], h)).fold(0.0, f64::max),
             }
         })
     }
@@ -215,8 +236,8 @@ impl Vision {
         colour::apply(&self.observer.lms_to_xyz, catch)
     }
 
-    /// H_k at [`LEVELS`] for the wavelengths whose largest value is the peak; `None` for the `depleted` reading.
-    pub fn peaks(&self) -> Option<&[Vec<[f64; 4]>; 3]> {
+    /// H_k at the levels for the wavelengths whose largest value is the peak; `None` for the `depleted` reading.
+    pub fn peaks(&self) -> Option<&[Vec<Vec<f64>>; 3]> {
         self.peaks.as_ref()
     }
 }
@@ -289,11 +310,11 @@ mod tests {
     }
 
     #[test]
-    fn four_levels_keep_every_catch_within_their_bound() {
+    fn levels_keep_every_catch_within_their_bound() {
         let observer = Observer::standard();
         let lasers = Bands::uniform(389.5, 830.5, 441).unwrap();
         let vision = Vision::of_bands(observer.clone(), &lasers);
-        let rows = weighting_curves(&vision.observer);
+        let rows = weighting_curves(&vision.observer, vision.levels());
         for nm in (0..441).step_by(7) {
             let mut light = Curve::sampled(|_| 0.0);
             light.0[nm] = 1.0;
@@ -313,7 +334,7 @@ mod tests {
         let mut observer = Observer::standard();
         observer.narrowing = Narrowing::Narrowed;
         let vision = Vision::of_bands(observer.clone(), &Bands::uniform(389.5, 830.5, 441).unwrap());
-        let rows = weighting_curves(&vision.observer);
+        let rows = weighting_curves(&vision.observer, vision.levels());
         let light = Curve::sampled(|nm| (-((nm - 610.0) / 40.0).powi(2)).exp());
         let moments: Vec<f64> = rows.iter().map(|r| LUMENS_PER_WATT * r.times(&light).integral()).collect();
         for p in [1e-6, 0.01, 0.1, 0.33, 0.5, 0.9, 0.999] {

@@ -176,10 +176,10 @@ impl Plan {
         let levels = directional::LEVEL_BOUND;
         [
             term(
-                "pigment read at four levels",
+                "pigment read at a few levels of p",
                 level_bound(self.density),
                 stepped,
-                "twelve sums instead of every nanometre",
+                "a few sums instead of every nanometre",
             ),
             term(
                 "Stiles-Crawford weight by levels",

@@ -2,7 +2,7 @@
 
 use crate::kernel::{self, BandSums, ROOM, Strip, TILE};
 use crate::light::{Planes, Row, Samples};
-use crate::percept::{LEVELS, Vision};
+use crate::percept::Vision;
 use crate::units::Millimetres;
 
 /// One frame's pupil and gaze, in the shape that rows want.
@@ -40,7 +40,7 @@ impl Sight {
     pub fn new(vision: &Vision, planes: &Planes, pupil: Millimetres, gaze: [f64; 2], pixels_per_degree: f64) -> Self {
         let held = vision.holds_bands();
         let converted = if let Samples::Half(_) = planes.samples { planes.count } else { 0 };
-        let first = 3 * LEVELS.len();
+        let first = vision.first_illuminance();
         let scale = vision.observer.directional.mm_per_degree().map(|mm| mm / pixels_per_degree);
         let single = |row: Vec<f64>| -> Vec<f32> { row.into_iter().map(|w| w as f32).collect() };
         let moment = |row: usize| single(vision.moment_weights(row));
@@ -130,7 +130,7 @@ fn unit(plane: usize) -> Vec<f32> {
 /// Weights of the frame's planes in a cone's illuminance, where place does not matter.
 fn uniform_weights(vision: &Vision, pupil: Millimetres, k: usize) -> Vec<f64> {
     let levels = &vision.illuminance_weights(pupil, Millimetres(0.0))[k];
-    let first = 3 * LEVELS.len() + k * levels.len();
+    let first = vision.first_illuminance() + k * levels.len();
     let mut sum = vec![0.0; vision.moment_weights(0).len()];
     for (j, weight) in levels.iter().enumerate() {
         for (total, w) in sum.iter_mut().zip(vision.moment_weights(first + j)) {
