@@ -125,6 +125,14 @@ pub fn tiles(tile: usize, width: usize) -> impl Iterator<Item = (usize, usize)> 
 /// Tiles are whole multiples of this where they can be: two of the longest vectors.
 const LANES: usize = 32;
 
+/// Asks for the run of samples that lies `ahead` of this one.
+#[inline(always)]
+pub fn ask_for_run<T>(run: &[T], ahead: usize) {
+    for at in (0..run.len()).step_by(64 / size_of::<T>()) {
+        ask_for(run.as_ptr().wrapping_add(ahead + at));
+    }
+}
+
 /// Asks the processor for samples that will be wanted soon: a run that is read tile by tile, here and there, comes
 /// from memory no faster than it is asked for.
 #[inline(always)]

@@ -154,6 +154,7 @@ impl Viewer {
             .map_init(Room::new, |Room { light: room, td, rgb }, (y, ((p, seen), ledger))| {
                 let mut census = Census::EMPTY;
                 for ((from, width), left_out) in sight.tiles(planes.width).zip(ledger) {
+                    ask_for(p, seen, from, width);
                     let light = sight.light(planes.row(y), from, width, room);
                     let mut p = thirds(p).map(|p| &mut p[from..from + width]);
                     if moves {
@@ -314,6 +315,19 @@ fn thirds<T>(row: &mut [T]) -> [&mut [T]; 3] {
     let (first, rest) = row.split_at_mut(width);
     let (second, third) = rest.split_at_mut(width);
     [first, second, third]
+}
+
+/// Asks for what a tile will want from memory and nobody has asked for yet: where its percept goes, and at the end of
+/// a row the first pigment of the next.
+#[inline(always)]
+fn ask_for<T>(p: &[f64], seen: &[T], from: usize, width: usize) {
+    let row = p.len() / 3;
+    for first in [0, row, 2 * row] {
+        kernel::ask_for_run(&seen[first + from..][..width], 0);
+        if from + width == row {
+            kernel::ask_for_run(&p[first..][..TILE.min(row)], p.len());
+        }
+    }
 }
 
 /// Stores a tile of the percept; returns how many samples had to be limited.
