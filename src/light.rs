@@ -126,13 +126,13 @@ impl Sample for f16 {
 
 /// A linear map from the bands of a spectral frame to the planes that are kept of it.
 ///
-/// `weights[row * bands + band]`: the integral over the band of the row's weighting function, so that a row's
+/// The weight of a row in a band is the integral over the band of the row's weighting function, so that a row's
 /// value is the sum over bands of weight times spectral radiance in W m^-2 sr^-1 nm^-1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Projection {
     pub bands: usize,
     pub rows: usize,
-    pub weights: Vec<f32>,
+    sums: BandSums,
     /// For each stored band its number among the bands, and the factor to radiance.
     stored: Vec<(usize, f64)>,
     /// Places whose whole spectra are to be remembered on the way.
@@ -140,15 +140,22 @@ pub struct Projection {
 }
 
 impl Projection {
-    /// A map with these weights.
+    /// A map with these weights, row by row.
     pub fn new(bands: usize, rows: usize, weights: Vec<f32>) -> Projection {
-        Projection { bands, rows, weights, stored: (0..bands).map(|i| (i, 1.0)).collect(), kept: None }
+        let mut sums = BandSums::new(rows, bands);
+        weights.chunks_exact(bands).enumerate().for_each(|(row, weights)| sums.set(row, weights.iter().copied()));
+        Projection { bands, rows, sums, stored: (0..bands).map(|i| (i, 1.0)).collect(), kept: None }
     }
 
     /// Every band kept as it is.
     pub fn identity(bands: usize) -> Projection {
         let weights = (0..bands * bands).map(|i| if i % (bands + 1) == 0 { 1.0 } else { 0.0 }).collect();
         Projection::new(bands, bands, weights)
+    }
+
+    /// The weight of a row in a band.
+    pub fn weight(&self, row: usize, band: usize) -> f32 {
+        self.sums.weight(row, band)
     }
 
     /// The same map, which remembers the spectra of some places.
@@ -159,21 +166,19 @@ impl Projection {
     /// The same map for bands that are stored in another order and scale: stored band `i` is band `order[i]` of
     /// this map and is multiplied by `scale[i]` on the way.
     pub fn reordered(&self, order: &[usize], scale: &[f64]) -> Projection {
-        let weights = (0..self.rows)
-            .flat_map(|row| {
-                let of_row = &self.weights[row * self.bands..][..self.bands];
-                order.iter().zip(scale).map(move |(&band, s)| (f64::from(of_row[band]) * s) as f32)
-            })
-            .collect();
+        let mut sums = BandSums::new(self.rows, order.len());
+        for row in 0..self.rows {
+            let scaled = |(&band, s): (&usize, &f64)| (f64::from(self.weight(row, band)) * s) as f32;
+            sums.set(row, order.iter().zip(scale).map(scaled));
+        }
         let stored = order.iter().copied().zip(scale.iter().copied()).collect();
-        Projection { bands: order.len(), rows: self.rows, weights, stored, kept: self.kept.clone() }
+        Projection { bands: order.len(), rows: self.rows, sums, stored, kept: self.kept.clone() }
     }
 
     /// Projects one row: `bands` runs of `width` samples in, `rows` runs of `width` sums out, added in band order.
     pub fn project(&self, bands: &[f32], out: &mut [f32]) {
         let width = bands.len() / self.bands;
-        let rows: Vec<Vec<f32>> = self.weights.chunks_exact(self.bands).map(<[f32]>::to_vec).collect();
-        BandSums::new(&rows).project(Strip::whole(bands, width), out);
+        self.sums.project(Strip::whole(bands, width), out);
     }
 
     /// Columns of the places in row `y` whose spectra are to be remembered.

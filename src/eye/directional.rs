@@ -91,9 +91,9 @@ impl Directional {
     }
 
     /// eta of each level for a pupil, at `r` from its centre (which only the paper's reading uses).
-    pub fn weights(&self, pupil: Millimetres, r: Millimetres) -> impl Iterator<Item = f64> + '_ {
-        let (reading, pupil, r) = (self.reading, pupil.0, r.0);
-        self.levels.iter().map(move |&p| eta(reading, p, pupil, r))
+    /// Zeros follow where there are fewer than [`MOST_LEVELS`].
+    pub fn weights(&self, pupil: Millimetres, r: Millimetres) -> [f64; MOST_LEVELS] {
+        std::array::from_fn(|j| self.levels.get(j).map_or(0.0, |&p| eta(self.reading, p, pupil.0, r.0)))
     }
 
     /// eta at every wavelength, from p(lambda) itself (paper Eq. 5, or its mean over the pupil).
@@ -142,7 +142,8 @@ pub fn eta(reading: Reading, p: f64, pupil_mm: f64, r_mm: f64) -> f64 {
     }
 }
 
-const MOST_LEVELS: usize = 10;
+/// No steepness asks for more levels.
+pub const MOST_LEVELS: usize = 10;
 
 /// Chebyshev nodes of an interval; its middle if it is a point.
 fn nodes(low: f64, high: f64, count: usize) -> Vec<f64> {

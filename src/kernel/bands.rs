@@ -25,14 +25,21 @@ pub struct BandSums {
 }
 
 impl BandSums {
-    /// Sums whose weights are the given rows, one weight a band.
-    pub fn new(rows: &[Vec<f32>]) -> Self {
-        let bands = rows.first().map_or(0, Vec::len);
-        let group = |rows: &[Vec<f32>]| {
-            let of_band = |band: usize| std::array::from_fn(|i| rows.get(i).map_or(0.0, |row| row[band]));
-            (0..bands).map(of_band).collect()
-        };
-        BandSums { rows: rows.len(), groups: rows.chunks(GROUP).map(group).collect() }
+    /// So many sums over so many bands, all of them zero.
+    pub fn new(rows: usize, bands: usize) -> Self {
+        BandSums { rows, groups: vec![vec![[0.0; GROUP]; bands]; rows.div_ceil(GROUP)] }
+    }
+
+    /// Gives a sum its weights, one a band.
+    pub fn set(&mut self, row: usize, weights: impl Iterator<Item = f32>) {
+        for (of_band, weight) in self.groups[row / GROUP].iter_mut().zip(weights) {
+            of_band[row % GROUP] = weight;
+        }
+    }
+
+    /// The weight of a sum in a band.
+    pub fn weight(&self, row: usize, band: usize) -> f32 {
+        self.groups[row / GROUP][band][row % GROUP]
     }
 
     /// How many sums.
@@ -129,7 +136,8 @@ mod tests {
         let light: Vec<f32> = (0..bands * width).map(|i| ((i * 37) % 101) as f32 * 0.37).collect();
         let rows: Vec<Vec<f32>> =
             (0..7).map(|r| (0..bands).map(|b| ((r * 13 + b * 7) % 17) as f32 - 8.0).collect()).collect();
-        let sums = BandSums::new(&rows);
+        let mut sums = BandSums::new(7, bands);
+        rows.iter().enumerate().for_each(|(i, row)| sums.set(i, row.iter().copied()));
         let (mut best, mut plain) = (vec![0.0; 7 * width], vec![0.0; 7 * width]);
         sums.project(Strip::whole(&light, width), &mut best);
         Project { sums: &sums, light: Strip::whole(&light, width), out: &mut plain }.with_simd(pulp::Scalar);

@@ -41,9 +41,9 @@ impl PerceptForm {
     pub fn new(vision: &Vision) -> Self {
         let levels = vision.levels();
         let single = |m: &Matrix| m.map(|row| row.map(|v| v as f32));
-        let rows: Vec<Vec<f64>> = (0..vision.first_illuminance()).map(|row| vision.moment_weights(row)).collect();
         let of_rgb = |k: usize, plane: usize| {
-            let values: Vec<f64> = rows[k * levels.len()..][..levels.len()].iter().map(|row| row[plane]).collect();
+            let of_level = |j: usize| vision.moment_weight(k * levels.len() + j, plane);
+            let values: Vec<f64> = (0..levels.len()).map(of_level).collect();
             let [c0, c1, c2, c3, _] = levels.polynomial(&values).map(|c| c as f32);
             [c0, c1, c2, c3]
         };

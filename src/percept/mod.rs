@@ -16,6 +16,7 @@ mod primaries;
 
 use crate::colour::{self, Matrix};
 use crate::eye::Observer;
+use crate::eye::directional::MOST_LEVELS;
 use crate::light::{Planes, Primaries, Projection};
 use crate::spectrum::{Bands, Curve};
 use crate::units::{LUMENS_PER_WATT, Millimetres, Nits};
@@ -109,7 +110,7 @@ impl Vision {
         if let Reception::Bands(projection) = vision.reception {
             let row = |plane: usize| {
                 let weights = vision.luminance.iter().enumerate();
-                weights.map(|(i, w)| w * f64::from(projection.weights[i * projection.bands + plane])).sum()
+                weights.map(|(i, w)| w * f64::from(projection.weight(i, plane))).sum()
             };
             vision.luminance = (0..projection.bands).map(row).collect();
             vision.reception = Reception::Held(projection);
@@ -156,12 +157,17 @@ impl Vision {
         3 * self.levels.len()
     }
 
-    /// The weights of the planes in moment `row`.
-    pub fn moment_weights(&self, row: usize) -> Vec<f64> {
+    /// How many planes a frame has.
+    pub fn plane_count(&self) -> usize {
+        self.luminance.len()
+    }
+
+    /// The weight of a plane in moment `row`.
+    pub fn moment_weight(&self, row: usize, plane: usize) -> f64 {
         match &self.reception {
-            Reception::Rgb(rows) => rows[row].to_vec(),
-            Reception::Bands(p) => (0..p.rows).map(|i| if i == row { 1.0 } else { 0.0 }).collect(),
-            Reception::Held(p) => p.weights[row * p.bands..][..p.bands].iter().map(|&w| w.into()).collect(),
+            Reception::Rgb(rows) => rows[row][plane],
+            Reception::Bands(_) => f64::from(u8::from(row == plane)),
+            Reception::Held(projection) => projection.weight(row, plane).into(),
         }
     }
 
@@ -175,8 +181,9 @@ impl Vision {
             Reception::Bands(_) => (0..planes.count).map(|i| planes.at(x, y, i)).collect(),
             Reception::Held(p) => {
                 let light: Vec<f64> = (0..p.bands).map(|i| planes.at(x, y, i)).collect();
-                let inner = |row: &[f32]| row.iter().zip(&light).map(|(&w, v)| f64::from(w) * v).sum();
-                p.weights.chunks_exact(p.bands).map(inner).collect()
+                let inner =
+                    |row: usize| light.iter().enumerate().map(|(band, v)| f64::from(p.weight(row, band)) * v).sum();
+                (0..p.rows).map(inner).collect()
             }
         }
     }
@@ -192,15 +199,13 @@ impl Vision {
 
     /// Cone illuminance as a linear form of the moments: `[cone][level]`, to be applied to
     /// moments from [`Vision::first_illuminance`] on.
-    pub fn illuminance_weights(&self, pupil: Millimetres, r: Millimetres) -> [Vec<f64>; 3] {
-        let area = crate::eye::pupil::area(pupil);
-        self.observer
-            .cone_troland()
-            .map(|c| self.observer.directional.weights(pupil, r).map(|eta| c * area * eta).collect())
+    pub fn illuminance_weights(&self, pupil: Millimetres, r: Millimetres) -> [[f64; MOST_LEVELS]; 3] {
+        let (area, etas) = (crate::eye::pupil::area(pupil), self.observer.directional.weights(pupil, r));
+        self.observer.cone_troland().map(|c| etas.map(|eta| c * area * eta))
     }
 
     /// Cone illuminance of one place, td; never negative.
-    pub fn illuminance(&self, moments: &[f64], weights: &[Vec<f64>; 3]) -> [f64; 3] {
+    pub fn illuminance(&self, moments: &[f64], weights: &[[f64; MOST_LEVELS]; 3]) -> [f64; 3] {
         let levels = self.observer.directional.levels().len();
         [0, 1, 2].map(|k| {
             let of_cone = &moments[self.first_illuminance() + k * levels..][..levels];

@@ -47,6 +47,8 @@ pub struct Viewer {
     /// What may be left out.
     pub plan: Plan,
     form: PerceptForm,
+    /// Kept from look to look for its room.
+    sight: Option<Sight>,
     /// Moments of the light around the picture at 1 cd/m2.
     around: Vec<f64>,
     fields: Vec<f32>,
@@ -80,6 +82,7 @@ impl Viewer {
             first_gaze: None,
             plan: Plan::new(None),
             form,
+            sight: None,
             around,
             fields: Vec::new(),
         }
@@ -98,9 +101,11 @@ impl Viewer {
         let shift = [gaze[0] - first[0], gaze[1] - first[1]];
         let adapting = self.adapting(planes, survey, gaze);
         let pupil = self.pupil.follow(adapting, duration);
+        let mut sight = self.sight.take().unwrap_or_else(|| Sight::new(&self.vision));
+        sight.aim(&self.vision, planes, pupil, gaze, self.pixels_per_degree);
         let glance = Glance {
             planes,
-            sight: Sight::new(&self.vision, planes, pupil, gaze, self.pixels_per_degree),
+            sight,
             pupil,
             shift,
             duration,
@@ -116,6 +121,7 @@ impl Viewer {
             Samples::Float(seen) => self.rows(&glance, seen),
         };
         self.plan.note(census.left_out, census.greatest, glance.model, &self.pigments, duration);
+        self.sight = Some(glance.sight);
         Look { seen, adapting: adapting.fovea, pupil, shift, census }
     }
 

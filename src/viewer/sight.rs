@@ -1,11 +1,12 @@
 //! How the planes of a frame become cone illuminance under one pupil and gaze.
 
+use crate::eye::directional::MOST_LEVELS;
 use crate::kernel::{self, BandSums, ROOM, Strip, TILE};
 use crate::light::{Planes, Row, Samples};
 use crate::percept::Vision;
 use crate::units::Millimetres;
 
-/// One frame's pupil and gaze, in the shape that rows want.
+/// A vision in the shape that rows want, aimed by one frame's pupil and gaze.
 pub(super) struct Sight {
     /// Bands -> the moments' planes of a tile, where frames hold bands.
     bands: Option<BandSums>,
@@ -31,43 +32,68 @@ struct ByPlace {
     /// Weights of the tile's planes for each cone and level.
     levels: [Vec<Vec<f32>>; 3],
     gaze: [f64; 2],
+    mm_per_degree: f64,
     mm_per_pixel: f64,
     /// The pupil's radius, squared: where the weight stops falling, mm2.
     edge: f64,
 }
 
 impl Sight {
-    pub fn new(vision: &Vision, planes: &Planes, pupil: Millimetres, gaze: [f64; 2], pixels_per_degree: f64) -> Self {
-        let held = vision.holds_bands();
-        let converted = if let Samples::Half(_) = planes.samples { planes.count } else { 0 };
-        let first = vision.first_illuminance();
-        let scale = vision.observer.directional.mm_per_degree().map(|mm| mm / pixels_per_degree);
-        let single = |row: Vec<f64>| -> Vec<f32> { row.into_iter().map(|w| w as f32).collect() };
-        let moment = |row: usize| single(vision.moment_weights(row));
-        let Some(mm_per_pixel) = scale else {
-            let weights = [0, 1, 2].map(|k| single(uniform_weights(vision, pupil, k)));
-            return Sight {
-                bands: held.then(|| BandSums::new(&(0..first).map(moment).chain(weights.clone()).collect::<Vec<_>>())),
-                weakening: if held { Weakening::Summed(first) } else { Weakening::Alike(weights) },
-                planes_in: planes.count,
-                converted,
-            };
+    /// Sight that is still to be aimed.
+    pub fn new(vision: &Vision) -> Self {
+        let (held, first, planes) = (vision.holds_bands(), vision.first_illuminance(), vision.plane_count());
+        let mm_per_degree = vision.observer.directional.mm_per_degree();
+        // Beside the catches: one illuminance a cone, or one for each cone and level.
+        let rows = if mm_per_degree.is_some() { vision.moment_count() } else { first + 3 };
+        let bands = held.then(|| {
+            let mut sums = BandSums::new(rows, planes);
+            let kept = if mm_per_degree.is_some() { rows } else { first };
+            (0..kept).for_each(|row| sums.set(row, (0..planes).map(|band| vision.moment_weight(row, band) as f32)));
+            sums
+        });
+        let of_planes = || vec![0.0; if held { rows } else { planes }];
+        let weakening = match mm_per_degree {
+            None if held => Weakening::Summed(first),
+            None => Weakening::Alike([(); 3].map(|()| of_planes())),
+            Some(mm_per_degree) => {
+                let levels = vision.observer.directional.levels();
+                Weakening::ByPlace(ByPlace {
+                    rates: levels.iter().map(|p| p * std::f64::consts::LN_10).collect(),
+                    levels: [(); 3].map(|()| vec![of_planes(); levels.len()]),
+                    gaze: [0.0; 2],
+                    mm_per_degree,
+                    mm_per_pixel: 0.0,
+                    edge: 0.0,
+                })
+            }
         };
-        let rates: Vec<f64> =
-            vision.observer.directional.levels().iter().map(|p| p * std::f64::consts::LN_10).collect();
-        let level = |k: usize, j: usize| {
-            let row = first + k * rates.len() + j;
-            let scale = vision.observer.cone_troland()[k] * crate::eye::pupil::area(pupil);
-            let weights = if held { unit(row) } else { moment(row) };
-            weights.into_iter().map(|w| (f64::from(w) * scale) as f32).collect()
-        };
-        let levels = [0, 1, 2].map(|k| (0..rates.len()).map(|j| level(k, j)).collect());
-        let edge = (pupil.0 / 2.0).powi(2);
-        Sight {
-            bands: held.then(|| BandSums::new(&(0..vision.moment_count()).map(moment).collect::<Vec<_>>())),
-            weakening: Weakening::ByPlace(ByPlace { rates, levels, gaze, mm_per_pixel, edge }),
-            planes_in: planes.count,
-            converted,
+        Sight { bands, weakening, planes_in: planes, converted: 0 }
+    }
+
+    /// Aims at a frame.
+    pub fn aim(
+        &mut self,
+        vision: &Vision,
+        planes: &Planes,
+        pupil: Millimetres,
+        gaze: [f64; 2],
+        pixels_per_degree: f64,
+    ) {
+        self.planes_in = planes.count;
+        self.converted = if let Samples::Half(_) = planes.samples { planes.count } else { 0 };
+        match (&mut self.weakening, &mut self.bands) {
+            (Weakening::Alike(weights), _) => {
+                for (weights, of_cone) in weights.iter_mut().zip(uniform_weights(vision, pupil)) {
+                    weights.iter_mut().enumerate().for_each(|(plane, weight)| *weight = of_cone(plane));
+                }
+            }
+            (Weakening::Summed(first), Some(bands)) => {
+                for (k, of_cone) in uniform_weights(vision, pupil).into_iter().enumerate() {
+                    bands.set(*first + k, (0..planes.count).map(of_cone));
+                }
+            }
+            (Weakening::Summed(_), None) => {}
+            (Weakening::ByPlace(by_place), _) => by_place.aim(vision, pupil, gaze, pixels_per_degree),
         }
     }
 
@@ -100,6 +126,24 @@ impl Sight {
 }
 
 impl ByPlace {
+    fn aim(&mut self, vision: &Vision, pupil: Millimetres, gaze: [f64; 2], pixels_per_degree: f64) {
+        self.gaze = gaze;
+        self.mm_per_pixel = self.mm_per_degree / pixels_per_degree;
+        self.edge = (pupil.0 / 2.0).powi(2);
+        let (held, first, count) = (vision.holds_bands(), vision.first_illuminance(), self.rates.len());
+        for (k, levels) in self.levels.iter_mut().enumerate() {
+            let scale = vision.observer.cone_troland()[k] * crate::eye::pupil::area(pupil);
+            for (j, weights) in levels.iter_mut().enumerate() {
+                let row = first + k * count + j;
+                for (plane, weight) in weights.iter_mut().enumerate() {
+                    let of_plane =
+                        if held { f64::from(u8::from(plane == row)) } else { vision.moment_weight(row, plane) };
+                    *weight = (f64::from(of_plane as f32) * scale) as f32;
+                }
+            }
+        }
+    }
+
     fn illuminance(&self, light: Strip<'_>, [x, y]: [usize; 2], td: [&mut [f32]; 3]) -> [f32; 3] {
         let width = light.width();
         let across = self.mm_per_pixel * (y as f64 - self.gaze[1]);
@@ -119,25 +163,16 @@ impl ByPlace {
     }
 }
 
-/// More levels of the Stiles-Crawford weight than any steepness asks for.
-const MOST_LEVELS: usize = 16;
-
-/// Picks one plane.
-fn unit(plane: usize) -> Vec<f32> {
-    (0..=plane).map(|i| if i == plane { 1.0 } else { 0.0 }).collect()
-}
-
-/// Weights of the frame's planes in a cone's illuminance, where place does not matter.
-fn uniform_weights(vision: &Vision, pupil: Millimetres, k: usize) -> Vec<f64> {
-    let levels = &vision.illuminance_weights(pupil, Millimetres(0.0))[k];
-    let first = vision.first_illuminance() + k * levels.len();
-    let mut sum = vec![0.0; vision.moment_weights(0).len()];
-    for (j, weight) in levels.iter().enumerate() {
-        for (total, w) in sum.iter_mut().zip(vision.moment_weights(first + j)) {
-            *total += weight * w;
+/// The weight of each of a frame's planes in each cone's illuminance, where place does not matter.
+fn uniform_weights(vision: &Vision, pupil: Millimetres) -> [impl Fn(usize) -> f32 + '_; 3] {
+    let (first, count) = (vision.first_illuminance(), vision.observer.directional.levels().len());
+    let levels = vision.illuminance_weights(pupil, Millimetres(0.0));
+    [0, 1, 2].map(|k| {
+        move |plane: usize| {
+            let of_level = |j: usize| levels[k][j] * vision.moment_weight(first + k * count + j, plane);
+            (0..count).map(of_level).sum::<f64>() as f32
         }
-    }
-    sum
+    })
 }
 
 #[cfg(test)]
@@ -154,7 +189,8 @@ mod tests {
 
     /// Every place of a picture against the scalar illuminance.
     fn agrees(vision: &Vision, planes: &Planes) {
-        let sight = Sight::new(vision, planes, PUPIL, GAZE, PIXELS_PER_DEGREE);
+        let mut sight = Sight::new(vision);
+        sight.aim(vision, planes, PUPIL, GAZE, PIXELS_PER_DEGREE);
         let scale = vision.observer.directional.mm_per_degree().unwrap_or(0.0) / PIXELS_PER_DEGREE;
         let (mut room, mut td) = ([0.0; kernel::ROOM], [[0.0; TILE]; 3]);
         for y in 0..planes.height {
@@ -186,14 +222,6 @@ mod tests {
             agrees(&Vision::of_rgb(observer.clone(), &Primaries::REC709, Nits(100.0)).unwrap(), &picture(3));
             let bands = Bands::uniform(395.0, 705.0, 31).unwrap();
             agrees(&Vision::of_held_bands(observer, &bands), &picture(31));
-        }
-    }
-
-    #[test]
-    fn no_steepness_asks_for_more_levels_than_there_is_room_for() {
-        for reading in [Reading::Pupil, Reading::Paper { mm_per_degree: 0.29 }] {
-            let steep = Directional::new(reading, Steepness::LensCorrected);
-            assert!(steep.levels().len() <= MOST_LEVELS);
         }
     }
 }
