@@ -21,9 +21,12 @@ fn main() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
         let Ok(pool) = pool else { return };
         for &megapixels in &sizes {
-            for mut case in cases::all(megapixels) {
-                let short_of_threads = case.whole_machine && threads < rayon::current_num_threads();
-                if short_of_threads || !words.iter().all(|word| case.name.contains(word)) {
+            for (name, set_up) in cases::all(megapixels) {
+                if !words.iter().all(|word| name.contains(word)) {
+                    continue;
+                }
+                let mut case = set_up();
+                if case.whole_machine && threads < rayon::current_num_threads() {
                     continue;
                 }
                 let mut copy = cases::copy(case.bytes);

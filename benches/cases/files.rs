@@ -1,16 +1,14 @@
 //! Frames in files: each compression of OpenEXR written and read, and a whole run from disk to disk.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use half::f16;
 use sungaze::config::Config;
 use sungaze::frames::{About, Compression, read_exr, write_exr};
 use sungaze::light::{Planes, Samples};
 use sungaze::run::{Existing, Unwatched, run};
-use tempfile::TempDir;
 
-use super::{Case, noise};
+use super::{Case, Planned, noise, planned};
 
 const NAMES: [&str; 3] = ["R", "G", "B"];
 /// The codes that lose nothing.
@@ -18,11 +16,11 @@ const CODES: [&str; 5] = ["none", "rle", "zips", "zip", "piz"];
 const FRAMES: usize = 8;
 
 /// The same picture written and read in each code, and a run over frames of it.
-pub fn all(size: [usize; 2]) -> Vec<Case> {
-    let folder = Arc::new(tempfile::tempdir().expect("a folder"));
-    let planes = Arc::new(evening(size));
-    let of_code = |name: &&'static str| in_and_out(&folder, &planes, name);
-    CODES.iter().flat_map(of_code).chain([whole_run(&planes)]).collect()
+pub fn all(size: [usize; 2]) -> Vec<Planned> {
+    let writing = |code| planned(format!("write EXR, {code}"), move |name| written(name, &evening(size), code));
+    let reading = |code| planned(format!("read EXR, {code}"), move |name| read(name, &evening(size), code));
+    let whole = planned("run, ZIP in and out, a frame of it", move |name| whole_run(name, &evening(size)));
+    CODES.into_iter().flat_map(|code| [writing(code), reading(code)]).chain([whole]).collect()
 }
 
 /// A low sun over smooth light, with two per cent of noise.
@@ -46,26 +44,31 @@ fn size_of(path: &Path) -> usize {
     std::fs::metadata(path).expect("a frame was written").len() as usize
 }
 
-fn in_and_out(folder: &Arc<TempDir>, planes: &Arc<Planes>, code: &'static str) -> [Case; 2] {
-    let path = move |folder: &TempDir| folder.path().join(format!("{code}.exr"));
-    write(&path(folder), planes, code);
+fn written(name: String, planes: &Planes, code: &'static str) -> Case {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("f.exr");
+    write(&path, planes, code);
+    let (bytes, packed, planes) = (6 * planes.width * planes.height, size_of(&path), planes.clone());
+    let share = 100.0 * packed as f64 / bytes as f64;
+    let work = move || write(&folder.path().join("f.exr"), &planes, code);
+    Case::new(format!("{name}: {share:.0} % of the bytes"), bytes + packed, work)
+}
+
+fn read(name: String, planes: &Planes, code: &'static str) -> Case {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("f.exr");
+    write(&path, planes, code);
     let pixels = planes.width * planes.height;
-    let packed = size_of(&path(folder));
-    let (place, planes) = (folder.clone(), planes.clone());
-    let writing = move || write(&path(&place), &planes, code);
-    let place = folder.clone();
-    let reading = move || {
-        std::hint::black_box(read_exr(&path(&place), &NAMES, pixels as u64).expect("a frame is read"));
+    let bytes = 6 * pixels + size_of(&path);
+    let work = move || {
+        let planes = read_exr(&folder.path().join("f.exr"), &NAMES, pixels as u64);
+        std::hint::black_box(planes.expect("a frame is read"));
     };
-    let share = 100.0 * packed as f64 / (6 * pixels) as f64;
-    [
-        Case::new(format!("write EXR, {code}: {share:.0} % of the bytes"), 6 * pixels + packed, writing),
-        Case::new(format!("read EXR, {code}"), 6 * pixels + packed, reading),
-    ]
+    Case::new(name, bytes, work)
 }
 
 /// Frames read, looked at with pigment tracked, and written.
-fn whole_run(planes: &Planes) -> Case {
+fn whole_run(name: String, planes: &Planes) -> Case {
     let folder = tempfile::tempdir().expect("a folder");
     let frame = |i: usize| folder.path().join(format!("f.{i:04}.exr"));
     write(&frame(1), planes, "zip");
@@ -78,5 +81,5 @@ fn whole_run(planes: &Planes) -> Case {
     let work = move || {
         run(&config, &folder.path().join("out"), Existing::Overwrite, &Unwatched).expect("a run");
     };
-    Case { frames: FRAMES, whole_machine: true, ..Case::new("run, ZIP in and out, a frame of it", bytes, work) }
+    Case { frames: FRAMES, whole_machine: true, ..Case::new(name, bytes, work) }
 }

@@ -30,25 +30,33 @@ pub struct Case {
 }
 
 impl Case {
-    fn new(name: impl Into<String>, bytes: usize, work: impl FnMut() + Send + 'static) -> Case {
-        Case { name: name.into(), bytes, work: Box::new(work), frames: 1, whole_machine: false }
+    fn new(name: String, bytes: usize, work: impl FnMut() + Send + 'static) -> Case {
+        Case { name, bytes, work: Box::new(work), frames: 1, whole_machine: false }
     }
 }
 
+/// A case that is still to be set up: its name, or how that begins.
+pub type Planned = (String, Box<dyn FnOnce() -> Case>);
+
 /// Every case for a picture of about so many megapixels.
-pub fn all(megapixels: f64) -> Vec<Case> {
+pub fn all(megapixels: f64) -> Vec<Planned> {
     let height = ((megapixels * 1e6 / 16.0 * 9.0).sqrt()).round() as usize;
     let width = (megapixels * 1e6 / height as f64).round() as usize;
     let size = [width, height];
     let mut cases = vec![
-        state("state update, indoor to street", size, false),
-        state("state update, a sun in every tile", size, true),
-        rgb("RGB frame, half", size),
-        spectral("spectral frame, 31 bands", size),
-        display("display", size),
+        planned("state update, indoor to street", move |name| state(name, size, false)),
+        planned("state update, a sun in every tile", move |name| state(name, size, true)),
+        planned("RGB frame, half", move |name| rgb(name, size)),
+        planned("spectral frame, 31 bands", move |name| spectral(name, size)),
+        planned("display", move |name| display(name, size)),
     ];
     cases.extend(files::all(size));
     cases
+}
+
+fn planned(name: impl Into<String>, set_up: impl FnOnce(String) -> Case + 'static) -> Planned {
+    let name = name.into();
+    (name.clone(), Box::new(|| set_up(name)))
 }
 
 /// A copy that moves as many bytes, read plus written, block by block in the pool's threads.
@@ -77,7 +85,7 @@ fn tracked() -> Model {
     Model::Tracked { method, substeps: 0, budget: 1e-3 }
 }
 
-fn state(name: &'static str, [width, height]: [usize; 2], sunny: bool) -> Case {
+fn state(name: String, [width, height]: [usize; 2], sunny: bool) -> Case {
     let places = width * height;
     let mut p = vec![0.9f64; 3 * places];
     let light: Vec<f32> =
@@ -94,7 +102,7 @@ fn state(name: &'static str, [width, height]: [usize; 2], sunny: bool) -> Case {
 }
 
 /// A whole look, with the picture given back to be written over.
-fn look(name: &'static str, vision: Vision, planes: Planes, bytes: usize) -> Case {
+fn look(name: String, vision: Vision, planes: Planes, bytes: usize) -> Case {
     let luminances: Survey = survey(&vision, &planes, 24.0);
     let retina = Retina::rested(planes.width, planes.height);
     let mut viewer = Viewer::new(vision, pigments(), tracked(), retina, 24.0);
@@ -107,7 +115,7 @@ fn look(name: &'static str, vision: Vision, planes: Planes, bytes: usize) -> Cas
     Case::new(name, bytes, work)
 }
 
-fn rgb(name: &'static str, [width, height]: [usize; 2]) -> Case {
+fn rgb(name: String, [width, height]: [usize; 2]) -> Case {
     let places = width * height;
     let samples = (0..3 * places).map(|i| f16::from_f32(10f32.powf(3.0 * noise(i) - 1.0))).collect();
     let planes = Planes { width, height, count: 3, samples: Samples::Half(samples) };
@@ -115,7 +123,7 @@ fn rgb(name: &'static str, [width, height]: [usize; 2]) -> Case {
     look(name, vision.unwrap_or_else(|| unreachable!("Rec. 709 has a gamut")), planes, places * (6 + 6 + 48))
 }
 
-fn spectral(name: &'static str, [width, height]: [usize; 2]) -> Case {
+fn spectral(name: String, [width, height]: [usize; 2]) -> Case {
     let (places, count) = (width * height, 31);
     let samples = (0..count * places).map(|i| 0.1 * noise(i)).collect();
     let planes = Planes { width, height, count, samples: Samples::Float(samples) };
@@ -124,7 +132,7 @@ fn spectral(name: &'static str, [width, height]: [usize; 2]) -> Case {
     look(name, vision, planes, places * (count * 4 + 12 + 48))
 }
 
-fn display(name: &'static str, [width, height]: [usize; 2]) -> Case {
+fn display(name: String, [width, height]: [usize; 2]) -> Case {
     let places = width * height;
     let light: Vec<f32> = (0..3 * places).map(|i| 10f32.powf(4.0 * noise(i) - 1.0)).collect();
     let display = Display::default();

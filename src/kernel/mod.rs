@@ -8,6 +8,7 @@
 //! wherever its tile begins, so they are the same however a row is cut.
 
 mod bands;
+mod between;
 mod decay;
 mod extremes;
 mod halves;
@@ -16,6 +17,7 @@ mod pigment;
 mod sums;
 
 pub use bands::BandSums;
+pub use between::{Between, between};
 pub use decay::{ERROR, LONGEST, decay, mean_decay_short};
 pub use extremes::{dimmest, greatest, least};
 pub use halves::{narrow, widen};

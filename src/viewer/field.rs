@@ -1,5 +1,9 @@
 //! Reading between samples: light on its way to the retina, pigment on its way back, straight lines both ways.
 
+use std::ops::Range;
+
+use crate::kernel::{self, Between, TILE};
+
 /// Three planes, row by row, that can be read between their samples.
 pub(super) struct Field<'a, T> {
     pub samples: &'a [T],
@@ -9,41 +13,63 @@ pub(super) struct Field<'a, T> {
     pub around: [T; 3],
 }
 
-/// A number between two others; exactly theirs where they are equal.
-pub(super) trait Between: Copy {
-    fn between(self, other: Self, t: f64) -> Self;
-}
-
-impl Between for f32 {
-    fn between(self, other: f32, t: f64) -> f32 {
-        self + t as f32 * (other - self)
-    }
-}
-
-impl Between for f64 {
-    fn between(self, other: f64, t: f64) -> f64 {
-        self + t * (other - self)
-    }
-}
-
 impl<T: Between> Field<'_, T> {
-    /// Reads a run of three planes that begins at `from` and goes on in steps of one sample. Whole steps are exact.
+    /// Reads a run of three planes, at most [`TILE`] long, that begins at `from` and goes on in steps of one sample.
+    /// Whole steps are exact.
     pub fn resample(&self, from: [f64; 2], out: [&mut [T]; 3]) {
-        let (left, top) = (from[0].floor(), from[1].floor());
-        let (u, v) = (from[0] - left, from[1] - top);
+        let at = from.map(|v| v.floor() as i64);
+        let share = [0, 1].map(|i| from[i] - from[i].floor());
         for (k, out) in out.into_iter().enumerate() {
-            for (x, out) in out.iter_mut().enumerate() {
-                let (x, y) = (left as i64 + x as i64, top as i64);
-                let row = |y: i64| {
-                    let here = self.sample(x, y, k);
-                    if u == 0.0 { here } else { here.between(self.sample(x + 1, y, k), u) }
-                };
-                *out = if v == 0.0 { row(y) } else { row(y).between(row(y + 1), v) };
+            let inside = self.inside(at[0], share[0], out.len());
+            let (before, after) = (0..inside.start, inside.end..out.len());
+            self.run([at[0] + inside.start as i64, at[1]], share, k, &mut out[inside]);
+            for i in before.chain(after) {
+                out[i] = self.sample([at[0] + i as i64, at[1]], share, k);
             }
         }
     }
 
-    fn sample(&self, x: i64, y: i64, k: usize) -> T {
+    /// Which of `length` places from column `left` on lie between two columns, or on one where `share` is 0.
+    fn inside(&self, left: i64, share: f64, length: usize) -> Range<usize> {
+        let last = self.width as i64 - i64::from(share > 0.0);
+        let first = (-left).clamp(0, length as i64);
+        first as usize..(last - left).clamp(first, length as i64) as usize
+    }
+
+    /// A run of one plane that lies inside.
+    fn run(&self, at: [i64; 2], [u, v]: [f64; 2], k: usize, out: &mut [T]) {
+        self.line(at, u, k, out);
+        if v > 0.0 {
+            let (mut room, mut above) = ([self.around[k]; TILE], [self.around[k]; TILE]);
+            let (below, above) = (&mut room[..out.len()], &mut above[..out.len()]);
+            self.line([at[0], at[1] + 1], u, k, below);
+            above.copy_from_slice(out);
+            kernel::between(above, below, v, out);
+        }
+    }
+
+    /// A run of one row of one plane.
+    fn line(&self, [x, y]: [i64; 2], u: f64, k: usize, out: &mut [T]) {
+        if y < 0 || y >= self.height as i64 || out.is_empty() {
+            return out.fill(self.around[k]);
+        }
+        let samples = &self.samples[(y as usize * 3 + k) * self.width..][x as usize..];
+        match u {
+            0.0 => out.copy_from_slice(&samples[..out.len()]),
+            u => kernel::between(&samples[..out.len()], &samples[1..][..out.len()], u, out),
+        }
+    }
+
+    /// One place of one plane, wherever it lies.
+    fn sample(&self, [x, y]: [i64; 2], [u, v]: [f64; 2], k: usize) -> T {
+        let row = |y: i64| {
+            let here = self.stored(x, y, k);
+            if u == 0.0 { here } else { here.between(self.stored(x + 1, y, k), u) }
+        };
+        if v == 0.0 { row(y) } else { row(y).between(row(y + 1), v) }
+    }
+
+    fn stored(&self, x: i64, y: i64, k: usize) -> T {
         if x < 0 || y < 0 || x >= self.width as i64 || y >= self.height as i64 {
             return self.around[k];
         }
@@ -68,5 +94,23 @@ mod tests {
         assert_eq!(read(&field, [1.0, 1.0]), [samples[7], samples[9], samples[11]]);
         assert_eq!(read(&field, [-1.0, 0.0]), [9.0, 8.0, 7.0]);
         assert_eq!(read(&field, [0.5, 0.0])[0], samples[0] + 0.5 * (samples[1] - samples[0]));
+    }
+
+    #[test]
+    fn a_run_is_its_places_wherever_it_begins_and_ends() {
+        let samples: Vec<f64> = (0..3 * 40 * 5).map(|i| (f64::from(i) * 0.37).sin()).collect();
+        let field = Field { samples: &samples, width: 40, height: 5, around: [9.0, 8.0, 7.0] };
+        for (x, y) in [-50.0, -3.4, 0.0, 0.6, 25.0, 37.5, 39.0, 39.5, 60.0]
+            .into_iter()
+            .flat_map(|x| [-2.0, -0.3, 0.0, 2.25, 3.9, 4.0, 4.5, 9.0].map(move |y| (x, y)))
+        {
+            let mut run = [[0.0; 50]; 3];
+            field.resample([x, y], run.each_mut().map(|run| &mut run[..]));
+            for i in 0..50 {
+                let at = [(x.floor() as i64) + i as i64, y.floor() as i64];
+                let place = [0, 1, 2].map(|k| field.sample(at, [x - x.floor(), y - y.floor()], k));
+                assert_eq!(run.map(|run| run[i]), place, "{x} {y} {i}");
+            }
+        }
     }
 }
