@@ -64,23 +64,19 @@ impl Advance {
         Advance { pigments, model, duration, forms }
     }
 
-    /// The same step by another model.
-    pub fn by(&self, model: Model) -> Self {
-        Advance { model, ..*self }
-    }
-
     /// Moves rows of L, M, S pigment by rows of L, M, S light, td.
     pub fn row(&self, light: &[f32], p: &mut [f64]) {
         let width = p.len() / 3;
         for (cone, (p, light)) in p.chunks_exact_mut(width).zip(light.chunks_exact(width)).enumerate() {
-            self.cone(cone, light, p);
+            self.cone(cone, self.model, light, p);
         }
     }
 
-    /// Moves a run of one cone class's pigment by a run of its light, td. Returns the least of it.
-    pub fn cone(&self, cone: usize, light: &[f32], p: &mut [f64]) -> f64 {
+    /// Moves a run of one cone class's pigment by a run of its light, td, by a model of its own. Returns the least of
+    /// it.
+    pub fn cone(&self, cone: usize, model: Model, light: &[f32], p: &mut [f64]) -> f64 {
         let pigment = &self.pigments[cone];
-        match self.model {
+        match model {
             Model::Unbleached => {}
             Model::Steady if pigment.law == Law::FirstOrder => {
                 kernel::steady(self.forms[cone], light, p);
@@ -88,15 +84,15 @@ impl Advance {
             Model::Tracked { method, .. } if pigment.law == Law::FirstOrder && method.name == "exact" => {
                 return kernel::relax(self.forms[cone], light, p);
             }
-            _ => p.iter_mut().zip(light).for_each(|(p, &td)| *p = self.place(pigment, *p, f64::from(td))),
+            _ => p.iter_mut().zip(light).for_each(|(p, &td)| *p = self.place(model, pigment, *p, f64::from(td))),
         }
         kernel::least(p)
     }
 
     /// Moves one pigment at one place: the scalar path of every law and method.
-    pub fn place(&self, pigment: &Kinetics, p: f64, td: f64) -> f64 {
+    pub fn place(&self, model: Model, pigment: &Kinetics, p: f64, td: f64) -> f64 {
         let light = Trolands(td);
-        match self.model {
+        match model {
             Model::Unbleached => p,
             Model::Steady => pigment.steady(light),
             Model::Tracked { method, substeps: 0, budget } if method.name == "exact" => {

@@ -32,7 +32,8 @@ mod f16c {
     use super::super::{TILE, ask_for};
     use half::f16;
     use std::arch::x86_64::{
-        __m128i, _MM_FROUND_TO_NEAREST_INT, _mm_loadu_si128, _mm_storeu_si128, _mm256_cvtph_ps, _mm256_cvtps_ph,
+        __m128i, _MM_FROUND_TO_NEAREST_INT, _mm_and_si128, _mm_cmpeq_epi16, _mm_loadu_si128, _mm_movemask_epi8,
+        _mm_or_si128, _mm_set1_epi16, _mm_setzero_si128, _mm_storeu_si128, _mm256_cvtph_ps, _mm256_cvtps_ph,
         _mm256_loadu_ps, _mm256_storeu_ps,
     };
 
@@ -58,19 +59,21 @@ mod f16c {
     /// The processor must know F16C and AVX2.
     #[target_feature(enable = "avx2,f16c")]
     pub unsafe fn narrow(from: &[f32], to: &mut [f16]) -> bool {
-        let overflows = from.iter().fold(false, |any, v| any | (v.abs() >= super::OVERFLOWS));
         let ((from, from_rest), (to, to_rest)) = (from.as_chunks::<8>(), to.as_chunks_mut::<8>());
+        let (magnitude, infinite) = (_mm_set1_epi16(0x7fff), _mm_set1_epi16(0x7c00));
+        let mut overflown = _mm_setzero_si128();
         for (from, to) in from.iter().zip(to) {
             // SAFETY: both are arrays of eight; the loads and stores need no alignment.
             unsafe {
                 let halves = _mm256_cvtps_ph::<_MM_FROUND_TO_NEAREST_INT>(_mm256_loadu_ps(from.as_ptr()));
                 _mm_storeu_si128(to.as_mut_ptr().cast::<__m128i>(), halves);
+                overflown = _mm_or_si128(overflown, _mm_cmpeq_epi16(_mm_and_si128(halves, magnitude), infinite));
             }
         }
-        for (from, to) in from_rest.iter().zip(to_rest) {
+        for (from, to) in from_rest.iter().zip(&mut *to_rest) {
             *to = f16::from_f32(*from);
         }
-        overflows
+        _mm_movemask_epi8(overflown) != 0 || to_rest.iter().any(|half| half.is_infinite())
     }
 }
 

@@ -100,8 +100,11 @@ impl WithSimd for Percept<'_> {
         if width < lanes {
             return look(pulp::Scalar, form, light, 0..width, single, [r, g, b]);
         }
-        look(simd, form, light, 0..width / lanes * lanes, single, [&mut *r, &mut *g, &mut *b]);
-        look(simd, form, light, width - lanes..width, single, [r, g, b]);
+        let whole = width / lanes * lanes;
+        look(simd, form, light, 0..whole, single, [&mut *r, &mut *g, &mut *b]);
+        if whole < width {
+            look(simd, form, light, width - lanes..width, single, [r, g, b]);
+        }
     }
 }
 

@@ -75,15 +75,18 @@ impl WithSimd for OfRgb<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> [f32; 3] {
         let OfRgb { light, weights, out } = self;
         let (width, lanes) = (light.width(), S::F32_LANES);
+        let whole = width / lanes * lanes;
         let mut most = [0.0; 3];
         for ((weights, out), most) in weights.iter().zip(out).zip(&mut most) {
-            *most = if width < lanes {
-                of_rgb(pulp::Scalar, light, 0..width, weights, out)
-            } else {
+            if width < lanes {
+                *most = of_rgb(pulp::Scalar, light, 0..width, weights, out);
+                continue;
+            }
+            *most = of_rgb(simd, light, 0..whole, weights, out);
+            if whole < width {
                 // The last vector may overlap the one before.
-                let last = of_rgb(simd, light, width - lanes..width, weights, out);
-                last.max(of_rgb(simd, light, 0..width / lanes * lanes, weights, out))
-            };
+                *most = most.max(of_rgb(simd, light, width - lanes..width, weights, out));
+            }
         }
         most
     }

@@ -152,7 +152,7 @@ impl Eye {
         let advance = Advance::new(self.whole.pigments, model, span.length());
         for (p, &pixel) in places.iter_mut().zip(pixels) {
             let light = self.illuminance(lit, span.aim, pupil, pixel);
-            *p = [0, 1, 2].map(|k| advance.place(&self.whole.pigments[k], p[k], light[k]));
+            *p = [0, 1, 2].map(|k| advance.place(model, &self.whole.pigments[k], p[k], light[k]));
         }
         let probes = self.probes.iter().zip(pixels).zip(&places);
         let readings = probes.map(|((probe, &pixel), &p)| self.reading(lit, span.aim, pupil, probe, pixel, p));

@@ -28,7 +28,7 @@ pub(super) fn moved(
         left_out.settled |= outlasted.is_some();
         left_out.outlasted = left_out.outlasted.max(outlasted.unwrap_or(0.0));
         left_out.followed |= matches!(model, Model::Tracked { .. });
-        least[k] = advance.by(model).cone(k, td[k], p[k]);
+        least[k] = advance.cone(k, model, td[k], p[k]);
     }
     let s_past_half = if least[2] < 0.5 { p[2].iter().filter(|&&p| p < 0.5).count() as u64 } else { 0 };
     Census { least, s_past_half, left_out, ..census }
