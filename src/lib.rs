@@ -51,8 +51,8 @@
 //! * The state is never resampled: light is brought to the retina and p is read at the picture's points.
 //! * Nothing depends on the number of threads, bit for bit.
 //! * A plan promises only what its bound covers.
-//! * Memory does not grow with the number of frames, and a look after the first allocates nothing. Files appear whole or
-//!   not at all.
+//! * Memory does not grow with the number of frames, and a look allocates only where the retina grows. Files appear whole
+//!   or not at all.
 //! * Below [`retina`] nothing loops over pixels but [`kernel`]; below [`frames`] nothing touches a file.
 //! * `exr` and `image` are named in [`frames`] only, `toml` in [`config`] only, `clap` in the program only.
 //! * The library never prints, never exits, and never unwraps what a user gave.
