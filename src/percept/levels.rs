@@ -27,14 +27,13 @@ pub fn level_bound(density: f64) -> f64 {
     if density <= 0.5 { LEVEL_BOUND } else { x.powi(5) / (5.0 * 24.0 * 64.0 * -(-x).exp_m1()) }
 }
 
-/// The most levels that there are.
-pub const MOST_LEVELS: usize = 4;
-
 /// At which levels of p light is projected, and how they are mixed at any other. The last one is p = 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Levels {
+    /// 0, 1/4, 3/4, 1 by Lagrange's cubics: for light of a few planes.
     Four,
-    /// w_0 = (1 - p) `outer`(p), w_1 = (1 - p) `middle`(p), w_2 = 1 - w_0 - w_1: cubics, lowest power first.
+    /// 0, 1/2, 1: w_0 = (1 - p) `outer`(p), w_1 = (1 - p) `middle`(p), w_2 = 1 - w_0 - w_1; cubics, lowest power
+    /// first. For light of many bands.
     Three {
         outer: [f64; 4],
         middle: [f64; 4],
@@ -67,8 +66,8 @@ impl Levels {
         self.at().len()
     }
 
-    /// The weights of the levels at p; they sum to 1. Zeros follow where there are fewer than [`MOST_LEVELS`].
-    pub fn weights(&self, p: f64) -> [f64; MOST_LEVELS] {
+    /// The weights of the levels at p; they sum to 1. Zeros follow where there are fewer than four.
+    pub fn weights(&self, p: f64) -> [f64; 4] {
         match self {
             Levels::Four => {
                 let [a, b, c, d] = [p, p - 0.25, p - 0.75, p - 1.0];
