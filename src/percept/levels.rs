@@ -34,10 +34,7 @@ pub enum Levels {
     Four,
     /// 0, 1/2, 1: w_0 = (1 - p) `outer`(p), w_1 = (1 - p) `middle`(p), w_2 = 1 - w_0 - w_1; cubics, lowest power
     /// first. For light of many bands.
-    Three {
-        outer: [f64; 4],
-        middle: [f64; 4],
-    },
+    Three { outer: [f64; 4], middle: [f64; 4] },
 }
 
 impl Levels {
