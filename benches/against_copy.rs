@@ -1,5 +1,6 @@
-//! `cargo bench --bench against_copy`: how much longer each case takes than a copy of as many bytes. Case and copy
-//! take turns, so that both meet the same noise; a row is the median of both and of their ratio.
+//! `cargo bench --bench against_copy`: how much longer each case takes than a copy of as many
+//! bytes. Case and copy take turns, so that both meet the same noise; a row is the median of both
+//! and of their ratio.
 //!
 //! Arguments: megapixels (all five sizes by default) and words that a case's name must hold.
 
@@ -13,8 +14,10 @@ const SIZES: [f64; 5] = [0.1, 0.25, 1.0, 2.0, 8.0];
 
 fn main() {
     let asked: Vec<f64> = std::env::args().filter_map(|argument| argument.parse().ok()).collect();
-    let words: Vec<String> =
-        std::env::args().skip(1).filter(|a| a.parse::<f64>().is_err() && !a.starts_with('-')).collect();
+    let words: Vec<String> = std::env::args()
+        .skip(1)
+        .filter(|a| a.parse::<f64>().is_err() && !a.starts_with('-'))
+        .collect();
     let sizes = if asked.is_empty() { SIZES.to_vec() } else { asked };
     println!("| case | threads | megapixels | ms | copy, ms | ratio |\n|---|---|---|---|---|---|");
     for threads in [1, 2] {
@@ -31,8 +34,12 @@ fn main() {
                 }
                 let mut copy = cases::copy(case.bytes);
                 let (ours, copied, ratio) = pool.install(|| in_turns(&mut case.work, &mut copy));
-                let [ours, copied] = [ours, copied].map(|time| 1e3 * time.as_secs_f64() / case.frames as f64);
-                println!("| {} | {threads} | {megapixels} | {ours:.3} | {copied:.3} | {ratio:.2} |", case.name);
+                let [ours, copied] =
+                    [ours, copied].map(|time| 1e3 * time.as_secs_f64() / case.frames as f64);
+                println!(
+                    "| {} | {threads} | {megapixels} | {ours:.3} | {copied:.3} | {ratio:.2} |",
+                    case.name
+                );
             }
         }
     }
@@ -50,7 +57,8 @@ fn in_turns(work: &mut dyn FnMut(), copy: &mut dyn FnMut()) -> (Duration, Durati
     let turns: Vec<(Duration, Duration)> = (0..TURNS).map(|_| (timed(work), timed(copy))).collect();
     let mut ours: Vec<Duration> = turns.iter().map(|turn| turn.0).collect();
     let mut copies: Vec<Duration> = turns.iter().map(|turn| turn.1).collect();
-    let mut ratios: Vec<f64> = turns.iter().map(|(a, b)| a.as_secs_f64() / b.as_secs_f64()).collect();
+    let mut ratios: Vec<f64> =
+        turns.iter().map(|(a, b)| a.as_secs_f64() / b.as_secs_f64()).collect();
     ours.sort();
     copies.sort();
     ratios.sort_by(f64::total_cmp);

@@ -1,6 +1,8 @@
-//! The exact step over a row of places and three cones, f64, one thread, beside a copy of the same bytes.
+//! The exact step over a row of places and three cones, f64, one thread, beside a copy of the same
+//! bytes.
 //!
-//! The state is read and written and the light is read: 24 bytes per place and cone, as in the copy.
+//! The state is read and written and the light is read: 24 bytes per place and cone, as in the
+//! copy.
 
 use divan::{Bencher, black_box};
 use sungaze::kinetics::Kinetics;
@@ -23,7 +25,11 @@ fn eye() -> Kinetics {
 /// Light spread evenly in log from 1 to 1e6 td, and every thousandth place on the sun.
 fn lights() -> Vec<f64> {
     let light = |i: usize| {
-        if i.is_multiple_of(1000) { 1e10 } else { 10f64.powf(6.0 * (i * 7919 % PLACES) as f64 / PLACES as f64) }
+        if i.is_multiple_of(1000) {
+            1e10
+        } else {
+            10f64.powf(6.0 * (i * 7919 % PLACES) as f64 / PLACES as f64)
+        }
     };
     (0..PLACES).map(light).collect()
 }

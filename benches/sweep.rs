@@ -1,4 +1,5 @@
-//! Durations of one still share its light and one pass: 64 of them may take at most 1.5 times as long as 8.
+//! Durations of one still share its light and one pass: 64 of them may take at most 1.5 times as
+//! long as 8.
 //!
 //!     cargo bench --bench sweep
 
@@ -24,11 +25,14 @@ fn write_still(path: &Path) {
             let (x, y, plane) = (i % 1920, i / 5760, i / 1920 % 3);
             let from_sun = (x as f32 - 960.0).hypot(y as f32 - 400.0);
             let light = if from_sun < 21.0 { 3e4 } else { 20.0 + 400.0 / (1.0 + from_sun / 60.0) };
-            *v = half::f16::from_f32(light * [1.0, 0.5, 0.2][plane] * (1.0 + 0.1 * ((x * 7 + y * 13) % 11) as f32));
+            *v = half::f16::from_f32(
+                light * [1.0, 0.5, 0.2][plane] * (1.0 + 0.1 * ((x * 7 + y * 13) % 11) as f32),
+            );
         }
     }
     let about = About { white: Some(Nits(10.0)), ..About::default() };
-    write_exr(path, &["R", "G", "B"], &planes, Compression::Zip, &about).expect("the still is written");
+    write_exr(path, &["R", "G", "B"], &planes, Compression::Zip, &about)
+        .expect("the still is written");
 }
 
 #[divan::bench(args = [8, 64], sample_count = 10)]
@@ -39,7 +43,10 @@ fn durations_of_a_1080p_still(bencher: Bencher, durations: usize) {
         "[input]\nframes = \"still.exr\"\nhorizontal_fov_deg = 24\n\
          [sweep]\npictures = false\ndurations_s = {{ from = 0.01, to = 1000, count = {durations} }}\n"
     );
-    let config = Config::parse(&text, "bench", "bench", folder.path(), &[]).expect("a configuration");
+    let config =
+        Config::parse(&text, "bench", "bench", folder.path(), &[]).expect("a configuration");
     let out = folder.path().join("out");
-    bencher.bench_local(|| sweep(&config, &out, Existing::Overwrite, Part::All, &Unwatched).expect("a sweep"));
+    bencher.bench_local(|| {
+        sweep(&config, &out, Existing::Overwrite, Part::All, &Unwatched).expect("a sweep")
+    });
 }

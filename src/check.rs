@@ -1,11 +1,13 @@
-//! The sampled check: a few hundred places of the run at full model beside it, and how far the two are apart.
+//! The sampled check: a few hundred places of the run at full model beside it, and how far the two
+//! are apart.
 //!
-//! Full model: f64, every band, the definition of catch and illuminance at every nanometre instead of levels, sub-steps
-//! that keep a run within 2.5e-5, nothing left out. 192 places are spread over the picture, one in each cell of a grid;
-//! 64 are the brightest and the darkest of the first frame. Places are of the retina: when the gaze has moved, each sees
-//! what lies between four pixels, and its pigment is still compared, but no catch (and of spectral frames, whose bands
-//! are not kept everywhere, the illuminance is that of the moments). With n places spread at random and none beyond a
-//! bound, fewer than 3/n of all are beyond it, with 95 % confidence.
+//! Full model: f64, every band, the definition of catch and illuminance at every nanometre instead
+//! of levels, sub-steps that keep a run within 2.5e-5, nothing left out. 192 places are spread over
+//! the picture, one in each cell of a grid; 64 are the brightest and the darkest of the first
+//! frame. Places are of the retina: when the gaze has moved, each sees what lies between four
+//! pixels, and its pigment is still compared, but no catch (and of spectral frames, whose bands are
+//! not kept everywhere, the illuminance is that of the moments). With n places spread at random and
+//! none beyond a bound, fewer than 3/n of all are beyond it, with 95 % confidence.
 
 use std::sync::Arc;
 
@@ -31,7 +33,8 @@ const EXTREMES: usize = 32;
 pub struct Check {
     /// Column and row of each place.
     pub places: Vec<[usize; 2]>,
-    /// Unbleached fractions at full model. Everything is kept as bits: from a checkpoint it is to come back exactly.
+    /// Unbleached fractions at full model. Everything is kept as bits: from a checkpoint it is to
+    /// come back exactly.
     p: Vec<[u64; 3]>,
     /// The greatest error of p and of a catch at each place so far.
     errors: Vec<[u64; 2]>,
@@ -71,9 +74,14 @@ impl Check {
         let step = Advance::new(*exposure.pigments, Model::Unbleached, exposure.duration);
         for (i, &at) in self.places.iter().enumerate() {
             let light = if still { exposure.light(i, at) } else { Vec::new() };
-            let td = if still { exposure.illuminance(&light, at, &central) } else { exposure.between(at, &central) };
+            let td = if still {
+                exposure.illuminance(&light, at, &central)
+            } else {
+                exposure.between(at, &central)
+            };
             let before = self.p[i].map(f64::from_bits);
-            let after = [0, 1, 2].map(|k| step.exact(LEAST_KEPT, &exposure.pigments[k], before[k], Trolands(td[k])));
+            let after = [0, 1, 2]
+                .map(|k| step.exact(LEAST_KEPT, &exposure.pigments[k], before[k], Trolands(td[k])));
             self.p[i] = after.map(f64::to_bits);
             let ours = run(at);
             let [mut of_p, mut of_catch] = self.errors[i].map(f64::from_bits);
@@ -111,9 +119,13 @@ impl Check {
     /// A sentence on the places beyond a budget; `None` if there are none.
     pub fn beyond(&self, budget: f64) -> Option<String> {
         let errors = self.errors(0).zip(self.errors(1)).map(|(a, b)| a.max(b));
-        let beyond: Vec<_> = self.places.iter().zip(errors).filter(|(_, error)| *error > budget).collect();
-        let named: Vec<String> =
-            beyond.iter().take(8).map(|([x, y], error)| format!("({x}, {y}) by {error:.1e}")).collect();
+        let beyond: Vec<_> =
+            self.places.iter().zip(errors).filter(|(_, error)| *error > budget).collect();
+        let named: Vec<String> = beyond
+            .iter()
+            .take(8)
+            .map(|([x, y], error)| format!("({x}, {y}) by {error:.1e}"))
+            .collect();
         (!beyond.is_empty()).then(|| {
             format!(
                 "{} of {} checked places are beyond the budget of {budget:.1e}: {}",
@@ -133,8 +145,8 @@ impl Exposure<'_> {
         }
     }
 
-    /// Cone illuminance of a pixel by the definition, td. `central`: the weights where the distance from the gaze does
-    /// not matter.
+    /// Cone illuminance of a pixel by the definition, td. `central`: the weights where the distance
+    /// from the gaze does not matter.
     fn illuminance(&self, light: &[f64], at: [usize; 2], central: &[Vec<f64>; 3]) -> [f64; 3] {
         illuminance(self.distance(at).map(|r| self.weights(r)).as_ref().unwrap_or(central), light)
     }
@@ -146,7 +158,10 @@ impl Exposure<'_> {
         let mut sum = [0.0; 3];
         for [x, y] in [[0, 0], [1, 0], [0, 1], [1, 1]] {
             let weight = share(at[0] - at[0].floor(), x) * share(at[1] - at[1].floor(), y);
-            let td = self.of_pixel([at[0].floor() as i64 + x as i64, at[1].floor() as i64 + y as i64], central);
+            let td = self.of_pixel(
+                [at[0].floor() as i64 + x as i64, at[1].floor() as i64 + y as i64],
+                central,
+            );
             sum = [0, 1, 2].map(|k| sum[k] + if weight > 0.0 { weight * td[k] } else { 0.0 });
         }
         sum
@@ -161,13 +176,17 @@ impl Exposure<'_> {
         if self.kept.is_some() {
             let moments = self.vision.moments(self.planes, at[0], at[1]);
             let r = Millimetres(self.distance(at).unwrap_or(0.0));
-            return self.vision.illuminance(&moments, &self.vision.illuminance_weights(self.pupil, r));
+            return self
+                .vision
+                .illuminance(&moments, &self.vision.illuminance_weights(self.pupil, r));
         }
-        let light: Vec<f64> = (0..self.planes.count).map(|plane| self.planes.at(at[0], at[1], plane)).collect();
+        let light: Vec<f64> =
+            (0..self.planes.count).map(|plane| self.planes.at(at[0], at[1], plane)).collect();
         self.illuminance(&light, at, central)
     }
 
-    /// Distance of a place from the pupil's centre, where the reading of the Stiles-Crawford weight asks for it.
+    /// Distance of a place from the pupil's centre, where the reading of the Stiles-Crawford weight
+    /// asks for it.
     fn distance(&self, [x, y]: [usize; 2]) -> Option<f64> {
         let scale = self.vision.observer.directional.mm_per_degree()? / self.pixels_per_degree;
         Some(scale * (x as f64 - self.gaze[0]).hypot(y as f64 - self.gaze[1]))
@@ -184,22 +203,35 @@ impl Exposure<'_> {
         })
     }
 
-    /// The largest relative error of a catch: by levels at the run's p, against the definition at the true one.
-    /// Light out of gamut may catch next to nothing: its error is relative to what its parts catch, all taken as light.
-    fn error_of_catch(&self, light: &[f64], [x, y]: [usize; 2], ours: [f64; 3], p: [f64; 3]) -> f64 {
+    /// The largest relative error of a catch: by levels at the run's p, against the definition at
+    /// the true one. Light out of gamut may catch next to nothing: its error is relative to what
+    /// its parts catch, all taken as light.
+    fn error_of_catch(
+        &self,
+        light: &[f64],
+        [x, y]: [usize; 2],
+        ours: [f64; 3],
+        p: [f64; 3],
+    ) -> f64 {
         let (mut radiance, mut parts) = (Curve::sampled(|_| 0.0), Curve::sampled(|_| 0.0));
         for (value, basis) in light.iter().zip(self.vision.basis()) {
             radiance.0.iter_mut().zip(&basis.0).for_each(|(sum, b)| *sum += value * b);
             parts.0.iter_mut().zip(&basis.0).for_each(|(sum, b)| *sum += (value * b).abs());
         }
-        let [exact, size] = [radiance, parts].map(|radiance| self.vision.observer.catch(&radiance, p));
+        let [exact, size] =
+            [radiance, parts].map(|radiance| self.vision.observer.catch(&radiance, p));
         let seen = self.vision.catch(&self.vision.moments(self.planes, x, y), ours);
-        (0..3).filter(|&k| size[k] > 0.0).map(|k| ((seen[k] - exact[k]) / size[k]).abs()).fold(0.0, f64::max)
+        (0..3)
+            .filter(|&k| size[k] > 0.0)
+            .map(|k| ((seen[k] - exact[k]) / size[k]).abs())
+            .fold(0.0, f64::max)
     }
 }
 
 fn illuminance(weights: &[Vec<f64>; 3], light: &[f64]) -> [f64; 3] {
-    weights.each_ref().map(|weights| weights.iter().zip(light).map(|(w, v)| w * v).sum::<f64>().max(0.0))
+    weights
+        .each_ref()
+        .map(|weights| weights.iter().zip(light).map(|(w, v)| w * v).sum::<f64>().max(0.0))
 }
 
 /// The error that 95 % of the places stay within.
@@ -221,8 +253,9 @@ pub fn places(vision: &Vision, planes: &Planes) -> Vec<[usize; 2]> {
         [along(0, width), along(1, height)]
     });
     let mut places: Vec<[usize; 2]> = jittered.collect();
-    let mut ranked: Vec<(f32, usize)> =
-        (0..width * height).map(|i| (luminance(vision, planes, [i % width, i / width]), i)).collect();
+    let mut ranked: Vec<(f32, usize)> = (0..width * height)
+        .map(|i| (luminance(vision, planes, [i % width, i / width]), i))
+        .collect();
     let order = |a: &(f32, usize), b: &(f32, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
     let many = EXTREMES.min(ranked.len());
     if many < ranked.len() {
@@ -290,12 +323,14 @@ mod tests {
         let vision = Vision::of_rgb(Observer::standard(), &Primaries::REC709, Nits(1.0)).unwrap();
         let law = Law::RateLimited { km: 0.2 };
         let pigments = [Kinetics { law, half_bleach: Trolands(2e4), tau: Seconds(120.0) }; 3];
-        let planes = Planes { width: 1, height: 1, count: 3, samples: Samples::Float(vec![1e4; 3]) };
+        let planes =
+            Planes { width: 1, height: 1, count: 3, samples: Samples::Float(vec![1e4; 3]) };
         for duration in [10.0, 100.0, 1000.0].map(Seconds) {
             let exposure = exposure(&vision, &pigments, &planes, duration);
             let mut check = Check::new(vec![[0, 0]], |_| [1.0; 3]);
             let td = exposure.illuminance(&[1e4; 3], [0, 0], &exposure.weights(0.0));
-            let truth = [0, 1, 2].map(|k| step::enclosed(&pigments[k], 1.0, Trolands(td[k]), duration, 1 << 14).p);
+            let truth = [0, 1, 2]
+                .map(|k| step::enclosed(&pigments[k], 1.0, Trolands(td[k]), duration, 1 << 14).p);
             check.follow(&exposure, |_| truth);
             assert!(check.largest()[0] < LEAST_KEPT, "{duration}: {:e}", check.largest()[0]);
         }
@@ -306,7 +341,12 @@ mod tests {
         let vision = Vision::of_rgb(Observer::standard(), &Primaries::REC709, Nits(1.0)).unwrap();
         let pigments = [Kinetics::first_order(Trolands(2e4), Seconds(120.0)); 3];
         for green in (0..400).map(|i| -0.005 * i as f32) {
-            let planes = Planes { width: 1, height: 1, count: 3, samples: Samples::Float(vec![1.0, green, 1.0]) };
+            let planes = Planes {
+                width: 1,
+                height: 1,
+                count: 3,
+                samples: Samples::Float(vec![1.0, green, 1.0]),
+            };
             let exposure = exposure(&vision, &pigments, &planes, Seconds(1.0));
             let light = [1.0, f64::from(green), 1.0];
             let error = exposure.error_of_catch(&light, [0, 0], [0.5; 3], [0.5; 3]);

@@ -74,8 +74,12 @@ mod tests {
 
     #[test]
     fn acescg_goes_to_rec709_and_back() {
-        let ap1 =
-            Primaries { red: [0.713, 0.293], green: [0.165, 0.830], blue: [0.128, 0.044], white: [0.32168, 0.33767] };
+        let ap1 = Primaries {
+            red: [0.713, 0.293],
+            green: [0.165, 0.830],
+            blue: [0.128, 0.044],
+            white: [0.32168, 0.33767],
+        };
         let there = to_rec709(&ap1).unwrap();
         let round = product(&inverse(&there), &there);
         for (i, row) in round.iter().enumerate() {
@@ -88,7 +92,8 @@ mod tests {
 
     #[test]
     fn primaries_on_one_line_span_no_gamut() {
-        let flat = Primaries { red: [0.2, 0.2], green: [0.3, 0.3], blue: [0.4, 0.4], white: [0.3, 0.3] };
+        let flat =
+            Primaries { red: [0.2, 0.2], green: [0.3, 0.3], blue: [0.4, 0.4], white: [0.3, 0.3] };
         assert_eq!(rgb_to_xyz(&flat), None);
     }
 }

@@ -1,12 +1,13 @@
-//! Published constants of cone pigment kinetics, by name. They disagree by a factor of five in the half-bleach
-//! light, which moves the steady unbleached fraction by up to 0.38: far more than any numerical error. That is why
-//! they are a parameter.
+//! Published constants of cone pigment kinetics, by name. They disagree by a factor of five in the
+//! half-bleach light, which moves the steady unbleached fraction by up to 0.38: far more than any
+//! numerical error. That is why they are a parameter.
 
 /// A named set. L, M, S in that order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstantSet {
     pub name: &'static str,
-    /// log10 of the light, td, that keeps half of the pigment bleached (rate-limited: log10 of Q/tau).
+    /// log10 of the light, td, that keeps half of the pigment bleached (rate-limited: log10 of
+    /// Q/tau).
     pub half_bleach_log_td: [f64; 3],
     /// Time constant of regeneration, s.
     pub tau_s: [f64; 3],
@@ -26,17 +27,28 @@ const fn first_order(
     ConstantSet { name, half_bleach_log_td, tau_s: [tau_s; 3], law: "first-order", km: 0.2, source }
 }
 
-/// Every set that `observer.constants` knows. Where a source gives no S cone, S has equal photosensitivity per
-/// molecule: its half-bleach light is larger by the ratio of one cone troland's quanta, about 0.7 in log10.
+/// Every set that `observer.constants` knows. Where a source gives no S cone, S has equal
+/// photosensitivity per molecule: its half-bleach light is larger by the ratio of one cone
+/// troland's quanta, about 0.7 in log10.
 pub const CONSTANTS: &[ConstantSet] = &[
-    first_order("standard", [4.3, 4.3, 5.0], 120.0, "Rushton & Henry 1968 via CVRL; Boynton & Kaiser; S derived"),
+    first_order(
+        "standard",
+        [4.3, 4.3, 5.0],
+        120.0,
+        "Rushton & Henry 1968 via CVRL; Boynton & Kaiser; S derived",
+    ),
     first_order(
         "paper",
         [3.89, 3.89, 3.89],
         120.0,
         "Gutierrez et al. 2005, Table 1 (L and M after Rushton 1972; it has no S and no tau). CVRL calls 3.89 questionable",
     ),
-    first_order("mixture", [4.3, 4.3, 4.3], 120.0, "Gutierrez et al. 2005, Table 1, L+M row, for all three"),
+    first_order(
+        "mixture",
+        [4.3, 4.3, 4.3],
+        120.0,
+        "Gutierrez et al. 2005, Table 1, L+M row, for all three",
+    ),
     first_order(
         "rushton-henry-alt",
         [4.464_891_76, 4.464_891_76, 5.16],
@@ -65,8 +77,8 @@ pub const CONSTANTS: &[ConstantSet] = &[
     },
 ];
 
-/// Rods, for `validate` and the pigment chart: log10 of scotopic trolands, and s (paper Table 1; Rushton 1972 via
-/// CVRL).
+/// Rods, for `validate` and the pigment chart: log10 of scotopic trolands, and s (paper Table 1;
+/// Rushton 1972 via CVRL).
 pub const RODS: (f64, f64) = (4.4, 400.0);
 
 /// The set of a name.
@@ -80,7 +92,8 @@ mod tests {
 
     #[test]
     fn half_bleach_lights_are_the_published_ones() {
-        let td = |name: &str, cone: usize| 10f64.powf(named(name).unwrap().half_bleach_log_td[cone]);
+        let td =
+            |name: &str, cone: usize| 10f64.powf(named(name).unwrap().half_bleach_log_td[cone]);
         for (name, cone, published) in [
             ("rushton-henry-alt", 0, 29_167.0),
             ("wyszecki-stiles", 0, 5e6 / 130.0),

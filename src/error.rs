@@ -24,7 +24,11 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 
 impl Error {
     /// A wrong key of the configuration.
-    pub fn config(place: impl Into<String>, key: impl Into<String>, problem: impl Into<String>) -> Self {
+    pub fn config(
+        place: impl Into<String>,
+        key: impl Into<String>,
+        problem: impl Into<String>,
+    ) -> Self {
         Error::Config { place: place.into(), key: key.into(), problem: problem.into() }
     }
 

@@ -8,9 +8,10 @@
 //! rate-limited    rho = (1 + Km)/(tau (1 - p + Km))  beta = s/tau
 //! ```
 //!
-//! First order: Rushton & Henry 1968; Hollins & Alpern 1973; Gutierrez et al. 2005, Eq. 1 is its steady state.
-//! Self-screened: pigment bleaches by the quanta it absorbs; c = 0.5/g(0.5) keeps I0 the half-bleach light.
-//! Rate-limited: Lamb & Pugh 2004; Mahroo & Lamb 2004; the rate at full bleach is set to 1/tau.
+//! First order: Rushton & Henry 1968; Hollins & Alpern 1973; Gutierrez et al. 2005, Eq. 1 is its
+//! steady state. Self-screened: pigment bleaches by the quanta it absorbs; c = 0.5/g(0.5) keeps I0
+//! the half-bleach light. Rate-limited: Lamb & Pugh 2004; Mahroo & Lamb 2004; the rate at full
+//! bleach is set to 1/tau.
 //!
 //! In every law p' falls as p grows, so two histories never part: their difference only shrinks.
 
@@ -88,8 +89,8 @@ impl Kinetics {
         Kinetics { law: Law::FirstOrder, half_bleach, tau }
     }
 
-    /// s/tau, the bleaching rate of unscreened pigment, 1/s. The reciprocal does not depend on the place, so that
-    /// a loop over places divides once.
+    /// s/tau, the bleaching rate of unscreened pigment, 1/s. The reciprocal does not depend on the
+    /// place, so that a loop over places divides once.
     fn unscreened(&self, light: Trolands) -> f64 {
         light.0 * (1.0 / (self.half_bleach.0 * self.tau.0))
     }
@@ -102,12 +103,14 @@ impl Kinetics {
             Law::SelfScreened { density, norm } => {
                 Rates { regenerate: rest, bleach: norm * bleach * mean_decay(density * LN_10 * p) }
             }
-            Law::RateLimited { km } => Rates { regenerate: rest * (1.0 + km) / (1.0 - p + km), bleach },
+            Law::RateLimited { km } => {
+                Rates { regenerate: rest * (1.0 + km) / (1.0 - p + km), bleach }
+            }
         }
     }
 
-    /// The most by which a relative error of p can grow, however long: pigment that is screened by what lies before
-    /// it bleaches faster, the less there is. 1 for the other laws.
+    /// The most by which a relative error of p can grow, however long: pigment that is screened by
+    /// what lies before it bleaches faster, the less there is. 1 for the other laws.
     pub fn growth(&self) -> f64 {
         let [none, whole] = [0.0, 1.0].map(|p| self.rates(p, self.half_bleach).bleach);
         none / whole
@@ -123,25 +126,29 @@ impl Kinetics {
         let (rest, bleach) = (1.0 / self.tau.0, self.unscreened(light));
         match self.law {
             Law::FirstOrder => -(rest + bleach),
-            Law::SelfScreened { density, norm } => -(rest + norm * bleach * (-density * LN_10 * p).exp()),
+            Law::SelfScreened { density, norm } => {
+                -(rest + norm * bleach * (-density * LN_10 * p).exp())
+            }
             Law::RateLimited { km } => -(rest * km * (1.0 + km) / (1.0 - p + km).powi(2) + bleach),
         }
     }
 
-    /// The least and the greatest of -[`Kinetics::slope`] over all p from 0 to 1, 1/s. The greatest times the
-    /// step is the `h lambda` that a method's limits speak of.
+    /// The least and the greatest of -[`Kinetics::slope`] over all p from 0 to 1, 1/s. The greatest
+    /// times the step is the `h lambda` that a method's limits speak of.
     pub fn contraction(&self, light: Trolands) -> [f64; 2] {
         let ends = [-self.slope(0.0, light), -self.slope(1.0, light)];
         [ends[0].min(ends[1]), ends[0].max(ends[1])]
     }
 
-    /// The unbleached fraction under `light` that lasts (first order: Eq. 1 of the paper, as 1 - B).
+    /// The unbleached fraction under `light` that lasts (first order: Eq. 1 of the paper, as 1 -
+    /// B).
     pub fn steady(&self, light: Trolands) -> f64 {
         let s = light.0 / self.half_bleach.0;
         match self.law {
             Law::FirstOrder => 1.0 / (1.0 + s),
             Law::SelfScreened { density, norm } => steady_screened(density * LN_10, norm * s),
-            // The lesser root of s p^2 - (1 + Km)(1 + s) p + (1 + Km) = 0, in the form that does not cancel.
+            // The lesser root of s p^2 - (1 + Km)(1 + s) p + (1 + Km) = 0, in the form that does
+            // not cancel.
             Law::RateLimited { km } => {
                 let excess = 4.0 * s * km / (1.0 + km);
                 2.0 / (1.0 + s + ((1.0 - s) * (1.0 - s) + excess).sqrt())
@@ -161,8 +168,8 @@ pub(crate) fn mean_decay(x: f64) -> f64 {
     if x.abs() < 1e-8 { 1.0 - 0.5 * x } else { -(-x).exp_m1() / x }
 }
 
-/// The root of 1 - p = s g(p), with g(p) = (1 - e^(-a p))/a. The difference falls and is convex in p, so Newton's
-/// method from p = 0 climbs to the root without ever passing it.
+/// The root of 1 - p = s g(p), with g(p) = (1 - e^(-a p))/a. The difference falls and is convex in
+/// p, so Newton's method from p = 0 climbs to the root without ever passing it.
 fn steady_screened(a: f64, s: f64) -> f64 {
     if s.is_infinite() {
         return 0.0;
@@ -182,7 +189,8 @@ fn steady_screened(a: f64, s: f64) -> f64 {
 mod tests {
     use super::*;
 
-    const LAWS: [fn() -> Law; 3] = [|| Law::FirstOrder, || Law::self_screened(0.5), || Law::RateLimited { km: 0.2 }];
+    const LAWS: [fn() -> Law; 3] =
+        [|| Law::FirstOrder, || Law::self_screened(0.5), || Law::RateLimited { km: 0.2 }];
 
     fn eye(law: Law) -> Kinetics {
         Kinetics { law, half_bleach: Trolands(2e4), tau: Seconds(120.0) }
@@ -195,7 +203,11 @@ mod tests {
                 let kinetics = eye(law());
                 let p = kinetics.steady(Trolands(light));
                 let rates = kinetics.rates(p, Trolands(light));
-                assert!((rates.rest() / p - 1.0).abs() < 1e-14, "{law:?} {light}: {p} against {}", rates.rest());
+                assert!(
+                    (rates.rest() / p - 1.0).abs() < 1e-14,
+                    "{law:?} {light}: {p} against {}",
+                    rates.rest()
+                );
             }
         }
     }
@@ -223,7 +235,8 @@ mod tests {
         for law in LAWS {
             for p in [0.1, 0.5, 0.9] {
                 let (kinetics, light, d) = (eye(law()), Trolands(1e6), 1e-5);
-                let measured = (kinetics.change(p + d, light) - kinetics.change(p - d, light)) / (2.0 * d);
+                let measured =
+                    (kinetics.change(p + d, light) - kinetics.change(p - d, light)) / (2.0 * d);
                 assert!((measured / kinetics.slope(p, light) - 1.0).abs() < 1e-8);
             }
         }

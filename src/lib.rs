@@ -1,8 +1,9 @@
 //! What a person sees while staring at a bright light.
 //!
-//! Frames go in, spectral or RGB, scene-linear, in absolute units. At every place on the retina the photopigment of
-//! the L, M and S cones bleaches and regenerates by an ordinary differential equation, frame after frame. Out comes
-//! the picture that this tired eye perceives. The README shows the program; these pages are about the library.
+//! Frames go in, spectral or RGB, scene-linear, in absolute units. At every place on the retina the
+//! photopigment of the L, M and S cones bleaches and regenerates by an ordinary differential
+//! equation, frame after frame. Out comes the picture that this tired eye perceives. The README
+//! shows the program; these pages are about the library.
 //!
 //! # The path of a frame
 //!
@@ -48,21 +49,25 @@
 //!
 //! * An unbleached retina returns its input exactly, bit for bit, at any gaze.
 //! * p stays within 0..1; with the exact step it does so without a clamp.
-//! * The state is never resampled: light is brought to the retina and p is read at the picture's points.
+//! * The state is never resampled: light is brought to the retina and p is read at the picture's
+//!   points.
 //! * Nothing depends on the number of threads, bit for bit.
 //! * A plan promises only what its bound covers.
-//! * Memory does not grow with the number of frames, and a look allocates only where the retina grows. Files appear whole
-//!   or not at all.
-//! * Below [`retina`] nothing loops over pixels but [`kernel`]; below [`frames`] nothing touches a file.
-//! * `exr` and `image` are named in [`frames`] only, `toml` in [`config`] only, `clap` in the program only.
+//! * Memory does not grow with the number of frames, and a look allocates only where the retina
+//!   grows. Files appear whole or not at all.
+//! * Below [`retina`] nothing loops over pixels but [`kernel`]; below [`frames`] nothing touches a
+//!   file.
+//! * `exr` and `image` are named in [`frames`] only, `toml` in [`config`] only, `clap` in the
+//!   program only.
 //! * The library never prints, never exits, and never unwraps what a user gave.
 //!
 //! # What is decided where the sources are silent
 //!
-//! *One luminance everywhere*: V is the Y row of the observer's own LMS -> XYZ, 10.9 % above CIE 1931 for
-//! equal-energy light. *One cone troland*: an equal-energy light of 1 td gives 1 in every class
-//! ([`eye::Observer::cone_troland`]); multiplying a luminance by a fundamental, as the paper of 2005 writes it, would
-//! count V twice. The effect of the pupil's margin (Stiles-Crawford) enters the trolands only, never the percept.
+//! *One luminance everywhere*: V is the Y row of the observer's own LMS -> XYZ, 10.9 % above CIE
+//! 1931 for equal-energy light. *One cone troland*: an equal-energy light of 1 td gives 1 in every
+//! class ([`eye::Observer::cone_troland`]); multiplying a luminance by a fundamental, as the paper
+//! of 2005 writes it, would count V twice. The effect of the pupil's margin (Stiles-Crawford)
+//! enters the trolands only, never the percept.
 
 pub mod chart;
 pub mod check;

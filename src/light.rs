@@ -1,11 +1,13 @@
 //! The light of one frame, as rows of planes.
 //!
-//! A frame is `count` planes of `width` x `height` samples, stored row by row and, inside a row, plane by
-//! plane: the order of a scanline OpenEXR file, and one in which a row is the unit of work everywhere.
+//! A frame is `count` planes of `width` x `height` samples, stored row by row and, inside a row,
+//! plane by plane: the order of a scanline OpenEXR file, and one in which a row is the unit of work
+//! everywhere.
 //!
 //! * RGB light keeps the file's own numbers: three planes, half or float.
-//! * Spectral light is never held whole. Each block of rows is projected as it is decoded by a [`Projection`]
-//!   onto the few inner products that the retina and the percept need; those are the planes.
+//! * Spectral light is never held whole. Each block of rows is projected as it is decoded by a
+//!   [`Projection`] onto the few inner products that the retina and the percept need; those are the
+//!   planes.
 
 use std::ops::Range;
 use std::sync::{Arc, Mutex};
@@ -45,7 +47,12 @@ impl Planes {
 
     /// Half planes of zeros.
     pub fn half(width: usize, height: usize, count: usize) -> Self {
-        Planes { width, height, count, samples: Samples::Half(vec![f16::ZERO; width * height * count]) }
+        Planes {
+            width,
+            height,
+            count,
+            samples: Samples::Half(vec![f16::ZERO; width * height * count]),
+        }
     }
 
     /// Row `y`, all planes.
@@ -57,8 +64,15 @@ impl Planes {
         }
     }
 
-    /// A run of plane `i` in row `y` as single floats, converted into `room` where it is stored as half.
-    pub fn run<'a>(&'a self, i: usize, y: usize, run: Range<usize>, room: &'a mut [f32]) -> &'a [f32] {
+    /// A run of plane `i` in row `y` as single floats, converted into `room` where it is stored as
+    /// half.
+    pub fn run<'a>(
+        &'a self,
+        i: usize,
+        y: usize,
+        run: Range<usize>,
+        room: &'a mut [f32],
+    ) -> &'a [f32] {
         let plane = i * self.width;
         let run = plane + run.start..plane + run.end;
         match self.row(y) {
@@ -126,8 +140,9 @@ impl Sample for f16 {
 
 /// A linear map from the bands of a spectral frame to the planes that are kept of it.
 ///
-/// The weight of a row in a band is the integral over the band of the row's weighting function, so that a row's
-/// value is the sum over bands of weight times spectral radiance in W m^-2 sr^-1 nm^-1.
+/// The weight of a row in a band is the integral over the band of the row's weighting function, so
+/// that a row's value is the sum over bands of weight times spectral radiance in W m^-2 sr^-1
+/// nm^-1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Projection {
     pub bands: usize,
@@ -143,13 +158,17 @@ impl Projection {
     /// A map with these weights, row by row.
     pub fn new(bands: usize, rows: usize, weights: Vec<f32>) -> Projection {
         let mut sums = BandSums::new(rows, bands);
-        weights.chunks_exact(bands).enumerate().for_each(|(row, weights)| sums.set(row, weights.iter().copied()));
+        weights
+            .chunks_exact(bands)
+            .enumerate()
+            .for_each(|(row, weights)| sums.set(row, weights.iter().copied()));
         Projection { bands, rows, sums, stored: (0..bands).map(|i| (i, 1.0)).collect(), kept: None }
     }
 
     /// Every band kept as it is.
     pub fn identity(bands: usize) -> Projection {
-        let weights = (0..bands * bands).map(|i| if i % (bands + 1) == 0 { 1.0 } else { 0.0 }).collect();
+        let weights =
+            (0..bands * bands).map(|i| if i % (bands + 1) == 0 { 1.0 } else { 0.0 }).collect();
         Projection::new(bands, bands, weights)
     }
 
@@ -163,19 +182,21 @@ impl Projection {
         Projection { kept: Some(kept), ..self.clone() }
     }
 
-    /// The same map for bands that are stored in another order and scale: stored band `i` is band `order[i]` of
-    /// this map and is multiplied by `scale[i]` on the way.
+    /// The same map for bands that are stored in another order and scale: stored band `i` is band
+    /// `order[i]` of this map and is multiplied by `scale[i]` on the way.
     pub fn reordered(&self, order: &[usize], scale: &[f64]) -> Projection {
         let mut sums = BandSums::new(self.rows, order.len());
         for row in 0..self.rows {
-            let scaled = |(&band, s): (&usize, &f64)| (f64::from(self.weight(row, band)) * s) as f32;
+            let scaled =
+                |(&band, s): (&usize, &f64)| (f64::from(self.weight(row, band)) * s) as f32;
             sums.set(row, order.iter().zip(scale).map(scaled));
         }
         let stored = order.iter().copied().zip(scale.iter().copied()).collect();
         Projection { bands: order.len(), rows: self.rows, sums, stored, kept: self.kept.clone() }
     }
 
-    /// Projects one row: `bands` runs of `width` samples in, `rows` runs of `width` sums out, added in band order.
+    /// Projects one row: `bands` runs of `width` samples in, `rows` runs of `width` sums out, added
+    /// in band order.
     pub fn project(&self, bands: &[f32], out: &mut [f32]) {
         let width = bands.len() / self.bands;
         self.sums.project(Strip::whole(bands, width), out);
@@ -187,11 +208,14 @@ impl Projection {
         places.filter(move |[_, row]| *row == y).map(|[x, _]| *x)
     }
 
-    /// Remembers the spectra of the places that lie in row `y`; `bands` begins at column `left` of the frame.
+    /// Remembers the spectra of the places that lie in row `y`; `bands` begins at column `left` of
+    /// the frame.
     pub fn remember(&self, y: usize, left: usize, bands: &[f32]) {
         let Some(kept) = &self.kept else { return };
         let width = bands.len() / self.bands;
-        for (place, spectrum) in kept.places.iter().zip(&kept.spectra).filter(|([_, row], _)| *row == y) {
+        for (place, spectrum) in
+            kept.places.iter().zip(&kept.spectra).filter(|([_, row], _)| *row == y)
+        {
             let Some(x) = place[0].checked_sub(left).filter(|x| *x < width) else { continue };
             let mut values = vec![0.0; self.bands];
             for (i, &(band, scale)) in self.stored.iter().enumerate() {
@@ -221,12 +245,17 @@ impl PartialEq for Kept {
 impl Kept {
     /// Room for these places: column and row of each.
     pub fn new(places: &[[usize; 2]]) -> Self {
-        Kept { places: places.to_vec(), spectra: places.iter().map(|_| Mutex::new(Vec::new())).collect() }
+        Kept {
+            places: places.to_vec(),
+            spectra: places.iter().map(|_| Mutex::new(Vec::new())).collect(),
+        }
     }
 
     /// Radiance of place `i`, band by band; empty where the frame had no data.
     pub fn spectrum(&self, i: usize) -> Vec<f64> {
-        self.spectra[i].lock().map_or_else(|poisoned| poisoned.into_inner().clone(), |spectrum| spectrum.clone())
+        self.spectra[i]
+            .lock()
+            .map_or_else(|poisoned| poisoned.into_inner().clone(), |spectrum| spectrum.clone())
     }
 }
 
@@ -236,7 +265,8 @@ pub struct Tally {
     pub nan: u64,
     pub infinite: u64,
     pub negative: u64,
-    /// Integer samples at the top of their range: a display-referred picture whose light was cut off.
+    /// Integer samples at the top of their range: a display-referred picture whose light was cut
+    /// off.
     pub clipped: u64,
 }
 
@@ -268,8 +298,12 @@ pub struct Primaries {
 
 impl Primaries {
     /// ITU-R BT.709 / sRGB with D65: what an OpenEXR file without `chromaticities` means.
-    pub const REC709: Primaries =
-        Primaries { red: [0.64, 0.33], green: [0.30, 0.60], blue: [0.15, 0.06], white: [0.3127, 0.3290] };
+    pub const REC709: Primaries = Primaries {
+        red: [0.64, 0.33],
+        green: [0.30, 0.60],
+        blue: [0.15, 0.06],
+        white: [0.3127, 0.3290],
+    };
 }
 
 /// The planes of one frame and what was wrong with its samples.

@@ -1,10 +1,11 @@
 //! The retina: the unbleached fraction of three pigments at every place, moved by light.
 //!
-//! Places are counted in pixels of the picture at the first gaze. When the gaze has moved by `shift` pixels, the
-//! place r sees the picture at r + shift. **Light is resampled to the places, p is read at the picture's points;
-//! the state itself is never resampled**, which would blur it by sqrt(n f (1 - f)) pixels after n frames.
-//! Places that no picture has covered yet have all seen the same surround; they are kept as one, and become places
-//! of their own when the gaze first brings the picture to them.
+//! Places are counted in pixels of the picture at the first gaze. When the gaze has moved by
+//! `shift` pixels, the place r sees the picture at r + shift. **Light is resampled to the places, p
+//! is read at the picture's points; the state itself is never resampled**, which would blur it by
+//! sqrt(n f (1 - f)) pixels after n frames. Places that no picture has covered yet have all seen
+//! the same surround; they are kept as one, and become places of their own when the gaze first
+//! brings the picture to them.
 
 use ndarray::{Array3, Axis, s};
 use rayon::prelude::*;
@@ -27,8 +28,14 @@ pub enum Model {
 }
 
 impl Model {
-    /// What to say if a step takes the method past its limit under the greatest cone illuminances, td.
-    pub fn past_limit(&self, pigments: &[Kinetics; 3], greatest: [f64; 3], dt: Seconds) -> Option<String> {
+    /// What to say if a step takes the method past its limit under the greatest cone illuminances,
+    /// td.
+    pub fn past_limit(
+        &self,
+        pigments: &[Kinetics; 3],
+        greatest: [f64; 3],
+        dt: Seconds,
+    ) -> Option<String> {
         let Model::Tracked { method, substeps, .. } = self else { return None };
         let past = pigments
             .iter()
@@ -67,13 +74,15 @@ impl Advance {
     /// Moves rows of L, M, S pigment by rows of L, M, S light, td.
     pub fn row(&self, light: &[f32], p: &mut [f64]) {
         let width = p.len() / 3;
-        for (cone, (p, light)) in p.chunks_exact_mut(width).zip(light.chunks_exact(width)).enumerate() {
+        for (cone, (p, light)) in
+            p.chunks_exact_mut(width).zip(light.chunks_exact(width)).enumerate()
+        {
             self.cone(cone, self.model, light, p);
         }
     }
 
-    /// Moves a run of one cone class's pigment by a run of its light, td, by a model of its own. Returns the least of
-    /// it.
+    /// Moves a run of one cone class's pigment by a run of its light, td, by a model of its own.
+    /// Returns the least of it.
     pub fn cone(&self, cone: usize, model: Model, light: &[f32], p: &mut [f64]) -> f64 {
         let pigment = &self.pigments[cone];
         match model {
@@ -81,10 +90,15 @@ impl Advance {
             Model::Steady if pigment.law == Law::FirstOrder => {
                 kernel::steady(self.forms[cone], light, p);
             }
-            Model::Tracked { method, .. } if pigment.law == Law::FirstOrder && method.name == "exact" => {
+            Model::Tracked { method, .. }
+                if pigment.law == Law::FirstOrder && method.name == "exact" =>
+            {
                 return kernel::relax(self.forms[cone], light, p);
             }
-            _ => p.iter_mut().zip(light).for_each(|(p, &td)| *p = self.place(model, pigment, *p, f64::from(td))),
+            _ => p
+                .iter_mut()
+                .zip(light)
+                .for_each(|(p, &td)| *p = self.place(model, pigment, *p, f64::from(td))),
         }
         kernel::least(p)
     }
@@ -98,7 +112,9 @@ impl Advance {
             Model::Tracked { method, substeps: 0, budget } if method.name == "exact" => {
                 self.exact(budget, pigment, p, light)
             }
-            Model::Tracked { method, substeps, .. } => method.hold(pigment, p, light, self.duration, substeps.max(1)),
+            Model::Tracked { method, substeps, .. } => {
+                method.hold(pigment, p, light, self.duration, substeps.max(1))
+            }
         }
     }
 }
@@ -110,24 +126,28 @@ impl Advance {
         self.within(budget, pigment, p, light).unwrap_or_else(most).p
     }
 
-    /// The exact step of any law, its sub-steps as many as keep the relative error of p, over the whole run, within
-    /// `budget`; `None` if that are more than are tried.
+    /// The exact step of any law, its sub-steps as many as keep the relative error of p, over the
+    /// whole run, within `budget`; `None` if that are more than are tried.
     ///
-    /// With u = ln 1/p1 and k what the step forgets the least of, a step may err by `budget`/2 (1 - k) p1/(1 + u)^2.
-    /// Then the relative error stays below `budget`/2 (2 - 1/(1 + u)), whatever the steps and the light: what p loses
-    /// by bleaching the integral of 1/(1 + u)^2 takes up, what it does not lose is forgotten. Self-screened pigment
-    /// bleaches faster than its error by a `growth` that the budget is divided by.
+    /// With u = ln 1/p1 and k what the step forgets the least of, a step may err by `budget`/2 (1 -
+    /// k) p1/(1 + u)^2. Then the relative error stays below `budget`/2 (2 - 1/(1 + u)), whatever
+    /// the steps and the light: what p loses by bleaching the integral of 1/(1 + u)^2 takes up,
+    /// what it does not lose is forgotten. Self-screened pigment bleaches faster than its error by
+    /// a `growth` that the budget is divided by.
     fn within(&self, budget: f64, pigment: &Kinetics, p: f64, light: Trolands) -> Option<Enclosed> {
         let forgets = -(-self.duration.0 * pigment.contraction(light)[0]).exp_m1();
         let share = 0.5 * budget / pigment.growth() * forgets;
-        let doubled = (0..).map(|doublings| 1 << doublings).take_while(|&substeps| substeps <= step::MOST_SUBSTEPS);
-        let mut found = doubled.map(|substeps| step::enclosed(pigment, p, light, self.duration, substeps));
+        let doubled = (0..)
+            .map(|doublings| 1 << doublings)
+            .take_while(|&substeps| substeps <= step::MOST_SUBSTEPS);
+        let mut found =
+            doubled.map(|substeps| step::enclosed(pigment, p, light, self.duration, substeps));
         found.find(|found| found.error <= share * found.p / (1.0 - found.p.ln()).powi(2))
     }
 }
 
-/// The least budget of a law without a closed form that `MOST_SUBSTEPS` sub-steps are known to keep, whatever the
-/// light and the step.
+/// The least budget of a law without a closed form that `MOST_SUBSTEPS` sub-steps are known to
+/// keep, whatever the light and the step.
 pub const LEAST_KEPT: f64 = 2.5e-5;
 
 /// Pigment at every place. Rows of three runs, L, M and S: shape (height, 3, width).
@@ -146,7 +166,8 @@ impl Retina {
         Retina { p: Array3::ones((height, 3, width)), origin: [0, 0], beyond: [1.0; 3] }
     }
 
-    /// A retina of given fractions, shape (height, 3, width), in standard layout; values outside 0..1 are limited.
+    /// A retina of given fractions, shape (height, 3, width), in standard layout; values outside
+    /// 0..1 are limited.
     pub fn from_fractions(p: Array3<f64>, beyond: [f64; 3]) -> Self {
         let p = p.as_standard_layout().mapv(|v| v.clamp(0.0, 1.0));
         Retina { p, origin: [0, 0], beyond }
@@ -172,8 +193,14 @@ impl Retina {
         self.p.as_slice().unwrap_or(&[])
     }
 
-    /// Takes up what [`Retina::fractions`], `size`, `origin` and `beyond` gave; `None` if they do not fit together.
-    pub fn restored(p: Vec<f64>, [width, height]: [usize; 2], origin: [i64; 2], beyond: [f64; 3]) -> Option<Self> {
+    /// Takes up what [`Retina::fractions`], `size`, `origin` and `beyond` gave; `None` if they do
+    /// not fit together.
+    pub fn restored(
+        p: Vec<f64>,
+        [width, height]: [usize; 2],
+        origin: [i64; 2],
+        beyond: [f64; 3],
+    ) -> Option<Self> {
         Some(Retina { p: Array3::from_shape_vec((height, 3, width), p).ok()?, origin, beyond })
     }
 
@@ -205,9 +232,9 @@ impl Retina {
         [0, 1, 2].map(|k| self.p[[y as usize, k, x as usize]])
     }
 
-    /// Makes places of their own of all that lie in the rectangle `from..=to`; they have seen only the surround.
-    /// Columns are added on the left by whole tiles of `tile` places, so that none is cut anew. Returns how many
-    /// tiles and rows were added before the old ones.
+    /// Makes places of their own of all that lie in the rectangle `from..=to`; they have seen only
+    /// the surround. Columns are added on the left by whole tiles of `tile` places, so that none is
+    /// cut anew. Returns how many tiles and rows were added before the old ones.
     pub fn cover(&mut self, from: [i64; 2], to: [i64; 2], tile: usize) -> [usize; 2] {
         let [width, height] = self.size();
         let last = [self.origin[0] + width as i64 - 1, self.origin[1] + height as i64 - 1];

@@ -15,23 +15,29 @@ impl Band {
     }
 }
 
-/// The bands of a spectral frame, in order of wavelength. Values are spectral radiance per nm, the mean over the
-/// band: a band stands for an interval, not for a point (a 20 nm point sample of a lamp errs by up to 90 %).
+/// The bands of a spectral frame, in order of wavelength. Values are spectral radiance per nm, the
+/// mean over the band: a band stands for an interval, not for a point (a 20 nm point sample of a
+/// lamp errs by up to 90 %).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bands(Vec<Band>);
 
 impl Bands {
-    /// Bands with stated limits. `None` unless there is at least one, all are finite with positive wavelengths
-    /// and width, and centres rise strictly.
+    /// Bands with stated limits. `None` unless there is at least one, all are finite with positive
+    /// wavelengths and width, and centres rise strictly.
     pub fn new(bands: Vec<Band>) -> Option<Self> {
-        let sound =
-            |b: &Band| b.low > 0.0 && b.high.is_finite() && b.low < b.high && b.low <= b.centre && b.centre <= b.high;
+        let sound = |b: &Band| {
+            b.low > 0.0
+                && b.high.is_finite()
+                && b.low < b.high
+                && b.low <= b.centre
+                && b.centre <= b.high
+        };
         let rising = bands.windows(2).all(|pair| pair[0].centre < pair[1].centre);
         (!bands.is_empty() && bands.iter().all(sound) && rising).then_some(Bands(bands))
     }
 
-    /// Bands known by their centres only: limits lie midway between neighbours, and the outermost bands are
-    /// symmetrical. A single centre gets a width of 10 nm.
+    /// Bands known by their centres only: limits lie midway between neighbours, and the outermost
+    /// bands are symmetrical. A single centre gets a width of 10 nm.
     pub fn from_centres(centres: &[f64]) -> Option<Self> {
         let n = centres.len();
         let gap = |i: usize| centres[i + 1] - centres[i];
@@ -53,8 +59,11 @@ impl Bands {
                 5.0
             }
         };
-        let band =
-            |i: usize| Band { centre: centres[i], low: centres[i] - half_below(i), high: centres[i] + half_above(i) };
+        let band = |i: usize| Band {
+            centre: centres[i],
+            low: centres[i] - half_below(i),
+            high: centres[i] + half_above(i),
+        };
         Bands::new((0..n).map(band).collect())
     }
 
@@ -84,8 +93,8 @@ impl Bands {
     }
 }
 
-/// A function of wavelength at every nanometre from [`Curve::FROM`] to [`Curve::TO`]; zero outside. Each value
-/// stands for the nanometre around its wavelength.
+/// A function of wavelength at every nanometre from [`Curve::FROM`] to [`Curve::TO`]; zero outside.
+/// Each value stands for the nanometre around its wavelength.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve(pub Vec<f64>);
 
@@ -130,21 +139,28 @@ impl Curve {
         self.0.iter().sum()
     }
 
-    /// The wavelength of the largest value and the full width at half of it, nm, between samples by straight lines.
+    /// The wavelength of the largest value and the full width at half of it, nm, between samples by
+    /// straight lines.
     pub fn peak_and_width(&self) -> (f64, f64) {
-        let (top, peak) =
-            self.0.iter().enumerate().fold((0, 0.0), |best, (i, &v)| if v > best.1 { (i, v) } else { best });
+        let (top, peak) = self
+            .0
+            .iter()
+            .enumerate()
+            .fold((0, 0.0), |best, (i, &v)| if v > best.1 { (i, v) } else { best });
         let half = peak / 2.0;
         let crossing = |inside: usize, outside: usize| {
             let (a, b) = (self.0[inside], self.0[outside]);
             inside as f64 + (outside as f64 - inside as f64) * (a - half) / (a - b)
         };
         let below = (0..top).rev().find(|&i| self.0[i] < half).map_or(0.0, |i| crossing(i + 1, i));
-        let above = (top..self.0.len()).find(|&i| self.0[i] < half).map_or(f64::NAN, |i| crossing(i - 1, i));
+        let above = (top..self.0.len())
+            .find(|&i| self.0[i] < half)
+            .map_or(f64::NAN, |i| crossing(i - 1, i));
         ((Self::FROM + top) as f64, above - below)
     }
 
-    /// Integral of the curve over each band, nm: its weights for light that is known by its mean over the band.
+    /// Integral of the curve over each band, nm: its weights for light that is known by its mean
+    /// over the band.
     pub fn over(&self, bands: &Bands) -> Vec<f64> {
         bands.as_slice().iter().map(|band| self.between(band.low, band.high)).collect()
     }
@@ -173,10 +189,12 @@ pub struct Table {
 }
 
 impl Table {
-    /// Reads one of our own tables. Lines that begin with `#` name its source; the next holds the column names.
+    /// Reads one of our own tables. Lines that begin with `#` name its source; the next holds the
+    /// column names.
     fn embedded(text: &str) -> Table {
         let mut lines = text.lines().filter(|line| !line.starts_with('#'));
-        let names: Vec<String> = lines.next().unwrap_or_default().split(',').map(str::to_owned).collect();
+        let names: Vec<String> =
+            lines.next().unwrap_or_default().split(',').map(str::to_owned).collect();
         let mut columns = vec![Vec::new(); names.len()];
         for line in lines {
             for (column, cell) in columns.iter_mut().zip(line.split(',')) {
@@ -212,7 +230,8 @@ macro_rules! tables {
 }
 
 tables! {
-    /// CIE 170-1:2006: log10 absorbances, lens and macular density, the tabulated 10-degree fundamentals.
+    /// CIE 170-1:2006: log10 absorbances, lens and macular density, the tabulated 10-degree
+    /// fundamentals.
     CONE_PIECES = "cone_pieces.csv";
     /// CIE 1964 10-degree colour-matching functions.
     CIE1964 = "cie1964_10deg.csv";

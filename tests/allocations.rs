@@ -1,4 +1,5 @@
-//! A look makes no room of its own: what it needs from frame to frame is there from the first one on.
+//! A look makes no room of its own: what it needs from frame to frame is there from the first one
+//! on.
 
 use sungaze::eye::{Directional, Observer, Reading, Steepness};
 use sungaze::kinetics::Kinetics;
@@ -15,12 +16,15 @@ const WIDTH: usize = 600;
 const HEIGHT: usize = 40;
 const PIXELS_PER_DEGREE: f64 = 24.0;
 
-/// Allocations of the tenth to the twentieth look, which are at steps that differ in light, pupil and length.
+/// Allocations of the tenth to the twentieth look, which are at steps that differ in light, pupil
+/// and length.
 fn allocations(vision: Vision, mut planes: Planes, budget: Option<f64>) -> u64 {
-    let pigments = [2e4, 2e4, 1e5].map(|half_bleach| Kinetics::first_order(Trolands(half_bleach), Seconds(120.0)));
+    let pigments = [2e4, 2e4, 1e5]
+        .map(|half_bleach| Kinetics::first_order(Trolands(half_bleach), Seconds(120.0)));
     let method = Method::named("exact").expect("exact is in the table");
     let model = Model::Tracked { method, substeps: 0, budget: 1e-3 };
-    let mut viewer = Viewer::new(vision, pigments, model, Retina::rested(WIDTH, HEIGHT), PIXELS_PER_DEGREE);
+    let mut viewer =
+        Viewer::new(vision, pigments, model, Retina::rested(WIDTH, HEIGHT), PIXELS_PER_DEGREE);
     viewer.plan = Plan::new(budget);
     let gaze = [WIDTH as f64 / 2.0, HEIGHT as f64 / 2.0];
     let mut seen = None;
@@ -30,7 +34,8 @@ fn allocations(vision: Vision, mut planes: Planes, budget: Option<f64>) -> u64 {
         }
         let light = survey(&viewer.vision, planes, PIXELS_PER_DEGREE);
         let counted = allocation_counter::measure(|| {
-            let look = viewer.look(planes, &light, gaze, Seconds(0.02 + 0.01 * n as f64), seen.take());
+            let look =
+                viewer.look(planes, &light, gaze, Seconds(0.02 + 0.01 * n as f64), seen.take());
             seen = Some(look.seen);
         });
         counted.count_total
@@ -56,7 +61,8 @@ fn a_look_allocates_nothing() {
         observer.directional = Directional::new(reading, Steepness::LensCorrected);
         let bands = Bands::uniform(395.0, 705.0, 31).expect("31 bands");
         for budget in [None, Some(1e-3)] {
-            let rgb = Vision::of_rgb(observer.clone(), &Primaries::REC709, Nits(100.0)).expect("a gamut");
+            let rgb =
+                Vision::of_rgb(observer.clone(), &Primaries::REC709, Nits(100.0)).expect("a gamut");
             assert_eq!(allocations(rgb, planes(3), budget), 0, "RGB, {reading:?}");
             let held = Vision::of_held_bands(observer.clone(), &bands);
             assert_eq!(allocations(held, planes(31), budget), 0, "bands, {reading:?}");

@@ -12,7 +12,8 @@ fn rows(name: &str) -> Vec<Vec<String>> {
     assert!(lines > 0, "progress is told");
     let stem = name.replace('-', "_");
     for picture in ["svg", "png"] {
-        let bytes = std::fs::read(folder.path().join(&stem).with_extension(picture)).expect("a picture");
+        let bytes =
+            std::fs::read(folder.path().join(&stem).with_extension(picture)).expect("a picture");
         assert!(bytes.len() > 10_000, "{picture} of {} bytes", bytes.len());
     }
     read(&folder.path().join(stem).with_extension("csv"))
@@ -39,7 +40,10 @@ fn every_measured_limit_is_within_one_percent_of_theory_and_every_order_within_a
         }
         for (theory, measured) in [(3, 4), (5, 6)] {
             let (theory, measured) = (number(&row[theory]), number(&row[measured]));
-            assert!(theory == measured || (measured / theory - 1.0).abs() < 0.01, "limit of {row:?}");
+            assert!(
+                theory == measured || (measured / theory - 1.0).abs() < 0.01,
+                "limit of {row:?}"
+            );
         }
     }
 }
@@ -48,15 +52,21 @@ fn every_measured_limit_is_within_one_percent_of_theory_and_every_order_within_a
 fn the_work_precision_chart_shows_what_it_says() {
     let rows = rows("work-precision");
     let of = |scene: &str, method: &str| -> Vec<&Vec<String>> {
-        rows.iter().filter(|row| row[0] == scene && row[1] == "first-order" && row[2] == method).collect()
+        rows.iter()
+            .filter(|row| row[0] == scene && row[1] == "first-order" && row[2] == method)
+            .collect()
     };
-    for scene in ["indoor", "street", "headlamp", "sun-glance", "time-lapse", "flicker", "dark-recovery"] {
+    for scene in
+        ["indoor", "street", "headlamp", "sun-glance", "time-lapse", "flicker", "dark-recovery"]
+    {
         let exact = of(scene, "exact");
         assert!(exact.len() == 1 && number(&exact[0][4]) <= 1e-14, "{exact:?}");
         assert_eq!(exact[0][7], "");
     }
     assert!(of("sun-glance", "forward-euler").iter().all(|row| row[7] == "blow-up"));
-    assert!(of("indoor", "forward-euler").iter().all(|row| row[7].is_empty() && number(&row[4]) < 1e-6));
+    assert!(
+        of("indoor", "forward-euler").iter().all(|row| row[7].is_empty() && number(&row[4]) < 1e-6)
+    );
     let bound = 0.197 / 24.0 / 120.0;
     let ramp = number(&of("ramp", "exact")[0][4]);
     assert!(ramp <= bound && ramp > 0.99 * bound, "{ramp:e} against {bound:e}");

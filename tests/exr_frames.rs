@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use half::f16;
 use sungaze::frames::{
-    About, ChannelNames, Compression, Footage, Header, Kind, Negative, NonFinite, Quantity, ReadOptions, Wanted, open,
-    read_exr, write_exr,
+    About, ChannelNames, Compression, Footage, Header, Kind, Negative, NonFinite, Quantity,
+    ReadOptions, Wanted, open, read_exr, write_exr,
 };
 use sungaze::light::{Frame, Planes, Primaries, Projection, Samples};
 use sungaze::units::Nits;
@@ -25,7 +25,9 @@ fn refusal(path: PathBuf, options: &ReadOptions) -> String {
 
 fn bands(header: &Header) -> Vec<(f64, f64)> {
     match &header.kind {
-        Kind::Spectral(bands) => bands.as_slice().iter().map(|band| (band.centre, band.width())).collect(),
+        Kind::Spectral(bands) => {
+            bands.as_slice().iter().map(|band| (band.centre, band.width())).collect()
+        }
         Kind::Rgb(_) => panic!("not spectral"),
     }
 }
@@ -34,7 +36,8 @@ fn bands(header: &Header) -> Vec<(f64, f64)> {
 fn top_means(frame: &Frame, rows: usize) -> Vec<f64> {
     let planes = &frame.planes;
     let mean = |i| {
-        let sum: f64 = (0..rows).flat_map(|y| (0..planes.width).map(move |x| planes.at(x, y, i))).sum();
+        let sum: f64 =
+            (0..rows).flat_map(|y| (0..planes.width).map(move |x| planes.at(x, y, i))).sum();
         sum / (rows * planes.width) as f64
     };
     (0..planes.count).map(mean).collect()
@@ -42,12 +45,17 @@ fn top_means(frame: &Frame, rows: usize) -> Vec<f64> {
 
 fn constant_sky(name: &str) -> Box<dyn Footage> {
     let channels = ChannelNames::Index { pattern: "band_{index}".into(), from: 395.0, to: 705.0 };
-    opened(name, &ReadOptions { channels, quantity: Quantity::BandIntegral, ..ReadOptions::default() })
+    opened(
+        name,
+        &ReadOptions { channels, quantity: Quantity::BandIntegral, ..ReadOptions::default() },
+    )
 }
 
 #[test]
 fn the_constant_sky_of_mitsuba_is_one_watt_in_31_bands_and_in_4() {
-    for (name, count) in [("mi_scalar_spectral_const_n31.exr", 31), ("mi_scalar_spectral_const_n4.exr", 4)] {
+    for (name, count) in
+        [("mi_scalar_spectral_const_n31.exr", 31), ("mi_scalar_spectral_const_n4.exr", 4)]
+    {
         let footage = constant_sky(name);
         let bands = bands(footage.header());
         assert_eq!(bands.len(), count);
@@ -68,7 +76,8 @@ fn thirty_one_bands_and_four_hold_the_same_light() {
         let all = Projection::new(bands.len(), 1, widths);
         top_means(&footage.read(0, Some(&all), None).unwrap(), 4)[0]
     };
-    let (fine, coarse) = (light("mi_scalar_spectral_const_n31.exr"), light("mi_scalar_spectral_const_n4.exr"));
+    let (fine, coarse) =
+        (light("mi_scalar_spectral_const_n31.exr"), light("mi_scalar_spectral_const_n4.exr"));
     assert!((fine / coarse - 1.0).abs() < 0.01, "{fine} {coarse}");
     assert!((fine / 310.0 - 1.0).abs() < 0.01, "{fine}");
 }
@@ -76,7 +85,10 @@ fn thirty_one_bands_and_four_hold_the_same_light() {
 #[test]
 fn unrecognised_channels_are_listed_with_the_key_that_names_them() {
     let message = refusal(data("mi_scalar_spectral_const_n4.exr"), &ReadOptions::default());
-    assert!(message.contains("`band_000`") && message.contains("channels = \"S0_{nm}nm\""), "{message}");
+    assert!(
+        message.contains("`band_000`") && message.contains("channels = \"S0_{nm}nm\""),
+        "{message}"
+    );
 }
 
 #[test]
@@ -92,8 +104,15 @@ fn the_fichet_file_of_mitsuba_needs_no_key() {
 fn pbrt_keeps_a_preview_beside_its_buckets() {
     let footage = opened("pbrt_like_spectralfilm.exr", &ReadOptions::default());
     assert_eq!(bands(footage.header()).len(), 16);
-    assert!(footage.header().notes.iter().any(|note| note.contains("`R`")), "{:?}", footage.header().notes);
-    let preview = opened("pbrt_like_spectralfilm.exr", &ReadOptions { wanted: Wanted::Rgb, ..Default::default() });
+    assert!(
+        footage.header().notes.iter().any(|note| note.contains("`R`")),
+        "{:?}",
+        footage.header().notes
+    );
+    let preview = opened(
+        "pbrt_like_spectralfilm.exr",
+        &ReadOptions { wanted: Wanted::Rgb, ..Default::default() },
+    );
     assert_eq!(preview.header().kind, Kind::Rgb(Primaries::REC709));
     assert!(matches!(preview.read(0, None, None).unwrap().planes.samples, Samples::Half(_)));
 }
@@ -104,7 +123,11 @@ fn each_plane_of_the_named_samples_holds_the_wavelength_of_its_band() {
         let footage = opened(name, &ReadOptions::default());
         let means = top_means(&footage.read(0, None, None).unwrap(), 4);
         assert_eq!(means, [400.0, 500.0, 1000.0], "{name}");
-        assert_eq!(bands(footage.header()), [(400.0, 100.0), (500.0, 300.0), (1000.0, 500.0)], "{name}");
+        assert_eq!(
+            bands(footage.header()),
+            [(400.0, 100.0), (500.0, 300.0), (1000.0, 500.0)],
+            "{name}"
+        );
     }
     let units = bands(opened("names_units.exr", &ReadOptions::default()).header());
     let expected = [400.0, 500.0, 600.0];
@@ -117,14 +140,18 @@ fn the_rendered_sunset_has_its_published_luminances() {
     let footage = open(&[path], &ReadOptions::default()).unwrap();
     assert_eq!((footage.header().width, footage.header().height), (480, 270));
     let Kind::Spectral(bands) = &footage.header().kind else { panic!("not spectral") };
-    let table = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("data/cie1931_2deg.csv")).unwrap();
+    let table = std::fs::read_to_string(
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("data/cie1931_2deg.csv"),
+    )
+    .unwrap();
     let rows = table.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit()));
     let v: Vec<(f64, f64)> = rows
         .map(|row| row.split(',').map(|cell| cell.trim().parse().unwrap()).collect::<Vec<f64>>())
         .map(|row| (row[0], row[2]))
         .collect();
     let weight = |centre: f64| {
-        let near = v.iter().min_by(|a, b| (a.0 - centre).abs().total_cmp(&(b.0 - centre).abs())).unwrap();
+        let near =
+            v.iter().min_by(|a, b| (a.0 - centre).abs().total_cmp(&(b.0 - centre).abs())).unwrap();
         (683.002 * near.1 * 10.0) as f32
     };
     let weights = bands.as_slice().iter().map(|band| weight(band.centre)).collect();
@@ -148,7 +175,12 @@ fn halves(planes: &Planes) -> Planes {
 #[test]
 fn what_is_written_is_read_back_with_all_that_it_says() {
     let folder = tempfile::tempdir().unwrap();
-    let aces = Primaries { red: [0.713, 0.293], green: [0.165, 0.83], blue: [0.128, 0.044], white: [0.32168, 0.33767] };
+    let aces = Primaries {
+        red: [0.713, 0.293],
+        green: [0.165, 0.83],
+        blue: [0.128, 0.044],
+        white: [0.32168, 0.33767],
+    };
     let about = About {
         primaries: Some(aces),
         white: Some(Nits(5000.0)),
@@ -199,8 +231,15 @@ fn a_sample_that_is_no_number_is_refused_by_name_or_mended() {
         samples[of(2, 3, 2)] = f32::INFINITY;
         write_exr(&path, &names, &planes, Compression::Zips, &About::default()).unwrap();
         let message = refusal(path.clone(), &ReadOptions::default());
-        assert!(message.contains(&format!("channel {} is NaN at pixel (2, 1)", names[1])), "{message}");
-        let options = ReadOptions { non_finite: NonFinite::Clamp, negative: Negative::Clamp, ..ReadOptions::default() };
+        assert!(
+            message.contains(&format!("channel {} is NaN at pixel (2, 1)", names[1])),
+            "{message}"
+        );
+        let options = ReadOptions {
+            non_finite: NonFinite::Clamp,
+            negative: Negative::Clamp,
+            ..ReadOptions::default()
+        };
         let frame = open(&[path], &options).unwrap().read(0, None, None).unwrap();
         assert_eq!((frame.tally.nan, frame.tally.infinite, frame.tally.negative), (1, 1, 6));
         assert_eq!((frame.planes.at(2, 1, 1), frame.planes.at(0, 0, 0)), (0.0, 0.0));
@@ -211,11 +250,14 @@ fn a_sample_that_is_no_number_is_refused_by_name_or_mended() {
 #[test]
 fn a_size_that_changes_is_an_error_that_names_both() {
     let folder = tempfile::tempdir().unwrap();
-    let paths: Vec<PathBuf> = ["a.exr", "b.exr"].iter().map(|name| folder.path().join(name)).collect();
+    let paths: Vec<PathBuf> =
+        ["a.exr", "b.exr"].iter().map(|name| folder.path().join(name)).collect();
     for (path, width) in paths.iter().zip([4, 5]) {
-        write_exr(path, &["R", "G", "B"], &ramp(width, 3), Compression::Rle, &About::default()).unwrap();
+        write_exr(path, &["R", "G", "B"], &ramp(width, 3), Compression::Rle, &About::default())
+            .unwrap();
     }
-    let message = open(&paths, &ReadOptions::default()).unwrap().read(1, None, None).unwrap_err().to_string();
+    let message =
+        open(&paths, &ReadOptions::default()).unwrap().read(1, None, None).unwrap_err().to_string();
     assert!(message.contains("b.exr: is 5 x 3") && message.contains("a.exr is 4 x 3"), "{message}");
 }
 
@@ -233,7 +275,9 @@ fn written_bytes_are_the_same_on_one_thread_and_on_three() {
     let on = |threads: usize| {
         let path = folder.path().join(format!("{threads}.exr"));
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let write = || write_exr(&path, &["R", "G", "B"], &ramp(64, 200), Compression::Zip, &About::default());
+        let write = || {
+            write_exr(&path, &["R", "G", "B"], &ramp(64, 200), Compression::Zip, &About::default())
+        };
         pool.install(write).unwrap();
         std::fs::read(&path).unwrap()
     };

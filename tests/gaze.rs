@@ -82,7 +82,8 @@ fn a_whole_pixel_move_is_the_still_gaze_at_a_picture_moved_the_other_way() {
     let dark = picture(|_, _, _| 0.0);
     for eye in [&mut a, &mut b] {
         eye.vision.observer.pupil = sungaze::eye::Rule::Fixed(sungaze::units::Millimetres(3.0));
-        eye.pupil = sungaze::eye::Pupil::new(eye.vision.observer.pupil, eye.vision.observer.dynamics);
+        eye.pupil =
+            sungaze::eye::Pupil::new(eye.vision.observer.pupil, eye.vision.observer.dynamics);
         look(eye, &dark, [5.0, 3.0]);
     }
     look(&mut a, &light, [7.0, 3.0]);
@@ -102,7 +103,12 @@ fn looking_away_from_a_light_leaves_its_image_where_the_gaze_goes() {
     look(&mut eye, &sun, [5.0, 3.0]);
     let seen = look(&mut eye, &wall, [8.0, 4.0]);
     let at = |x: usize, y: usize| seen.at(x, y, 1);
-    assert!(at(8, 4) < 0.2 * at(2, 2), "the after-image is at the gaze: {} against {}", at(8, 4), at(2, 2));
+    assert!(
+        at(8, 4) < 0.2 * at(2, 2),
+        "the after-image is at the gaze: {} against {}",
+        at(8, 4),
+        at(2, 2)
+    );
     assert!((at(5, 3) / at(2, 2) - 1.0).abs() < 1e-2, "and not where the sun was");
 }
 
@@ -126,7 +132,8 @@ fn checked(method: &str, reading: Reading) -> f64 {
     observer.directional = Directional::new(reading, Steepness::LensCorrected);
     let vision = Vision::of_rgb(observer, &Primaries::REC709, Nits(1e4)).unwrap();
     let pigments = [Kinetics::first_order(Trolands(2e4), Seconds(120.0)); 3];
-    let model = Model::Tracked { method: Method::named(method).unwrap(), substeps: 0, budget: 1e-3 };
+    let model =
+        Model::Tracked { method: Method::named(method).unwrap(), substeps: 0, budget: 1e-3 };
     let mut eye = Viewer::new(vision, pigments, model, Retina::rested(WIDTH, HEIGHT), 2.0);
     eye.surround = Nits(300.0);
     let light = some_picture();

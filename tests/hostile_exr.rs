@@ -1,4 +1,5 @@
-//! Damaged and malicious OpenEXR files: each is refused or read, none panics, hangs or takes memory.
+//! Damaged and malicious OpenEXR files: each is refused or read, none panics, hangs or takes
+//! memory.
 
 use std::path::{Path, PathBuf};
 
@@ -12,8 +13,14 @@ fn victims() -> &'static [Vec<u8>] {
     VICTIMS.get_or_init(|| {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("victim.exr");
-        let values = (0..3 * 33 * 35u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 20) as f32 * 0.01);
-        let float = Planes { width: 33, height: 35, count: 3, samples: Samples::Float(values.clone().collect()) };
+        let values =
+            (0..3 * 33 * 35u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 20) as f32 * 0.01);
+        let float = Planes {
+            width: 33,
+            height: 35,
+            count: 3,
+            samples: Samples::Float(values.clone().collect()),
+        };
         let half = Samples::Half(values.map(half::f16::from_f32).collect());
         let half = Planes { samples: half, ..float };
         let mut victims = Vec::new();
@@ -24,7 +31,12 @@ fn victims() -> &'static [Vec<u8>] {
             }
         }
         let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
-        let small = ["names_fichet6.exr", "names_units.exr", "pbrt_like_spectralfilm.exr", "mi_bitmap_fichet.exr"];
+        let small = [
+            "names_fichet6.exr",
+            "names_units.exr",
+            "pbrt_like_spectralfilm.exr",
+            "mi_bitmap_fichet.exr",
+        ];
         victims.extend(small.iter().map(|name| std::fs::read(data.join(name)).unwrap()));
         victims
     })
@@ -32,7 +44,8 @@ fn victims() -> &'static [Vec<u8>] {
 
 /// Opens and reads bytes as a file; whatever comes of it is fine.
 fn read(bytes: &[u8]) {
-    let path: PathBuf = std::env::temp_dir().join(format!("sungaze-hostile-{}.exr", std::process::id()));
+    let path: PathBuf =
+        std::env::temp_dir().join(format!("sungaze-hostile-{}.exr", std::process::id()));
     std::fs::write(&path, bytes).unwrap();
     for channels in [ChannelNames::Recognised, ChannelNames::Wavelength("{nm}".into())] {
         let options = ReadOptions { channels, max_pixels: 1 << 20, ..ReadOptions::default() };

@@ -1,4 +1,5 @@
-//! Configurations, settings and gaze paths from somebody who means ill, or who slipped: a message, never a panic.
+//! Configurations, settings and gaze paths from somebody who means ill, or who slipped: a message,
+//! never a panic.
 
 use std::path::Path;
 
@@ -64,7 +65,8 @@ proptest! {
     #[test]
     fn a_mutated_configuration_is_read_or_refused_with_its_place(edits in prop::collection::vec((0usize..1000, 0usize..16, any::<u8>()), 1..6)) {
         match config(&mutated(SOUND, &edits), &[]) {
-            // What was accepted must also resolve to an observer, pigments, a display and reading options or say why.
+            // What was accepted must also resolve to an observer, pigments, a display and reading
+            // options or say why.
             Ok(config) => {
                 let _ = (config.pigments(), config.display(), config.read_options(), config.model(), config.compression());
             }

@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use sungaze::frames::{About, Compression, Header, Inspection, Kind, ReadOptions, inspect, write_exr};
+use sungaze::frames::{
+    About, Compression, Header, Inspection, Kind, ReadOptions, inspect, write_exr,
+};
 use sungaze::light::{Planes, Samples};
 
 fn data(name: &str) -> PathBuf {
@@ -23,7 +25,9 @@ fn inspected(path: &Path) -> Inspection {
 
 #[test]
 fn every_sample_file_is_described_without_a_key() {
-    let files = std::fs::read_dir(data("tests/data")).unwrap().chain(std::fs::read_dir(data("data")).unwrap());
+    let files = std::fs::read_dir(data("tests/data"))
+        .unwrap()
+        .chain(std::fs::read_dir(data("data")).unwrap());
     let mut count = 0;
     for path in files.map(|entry| entry.unwrap().path()) {
         if path.extension().is_some_and(|extension| extension == "exr" || extension == "hdr") {
@@ -49,8 +53,14 @@ fn a_file_with_free_names_is_described_by_its_channels_and_the_key_it_needs() {
 fn the_sunset_has_its_bands_windows_and_brightest_band() {
     let inspection = inspected(&data("data/sunset_mitsuba.exr"));
     let bands = inspection.bands_nm.as_ref().unwrap();
-    assert_eq!((bands.len(), bands[0], bands[30]), (31, [400.0, 395.0, 405.0], [700.0, 695.0, 705.0]));
-    assert_eq!((inspection.width, inspection.height, inspection.nan, inspection.infinite), (480, 270, 0, 0));
+    assert_eq!(
+        (bands.len(), bands[0], bands[30]),
+        (31, [400.0, 395.0, 405.0], [700.0, 695.0, 705.0])
+    );
+    assert_eq!(
+        (inspection.width, inspection.height, inspection.nan, inspection.infinite),
+        (480, 270, 0, 0)
+    );
     let largest = |i: usize| inspection.ranges[i][1];
     assert!(largest(30) > 10.0 * largest(0), "a low sun is red");
     let [low, high] = inspection.luminance_cd_m2.unwrap();

@@ -33,7 +33,8 @@ fn finish(folder: &Path, more: &[&str]) -> i32 {
 /// Every file of a run but the report and what is still being written.
 fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let entries = std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path());
-    let named = entries.map(|path| (path.file_name().unwrap().to_string_lossy().into_owned(), path));
+    let named =
+        entries.map(|path| (path.file_name().unwrap().to_string_lossy().into_owned(), path));
     named
         .filter(|(name, _)| !name.ends_with(".tmp") && name != "report.json")
         .map(|(name, path)| (name, std::fs::read(path).unwrap()))
@@ -53,7 +54,9 @@ fn a_run_killed_at_any_moment_resumes_to_the_same_bytes() {
         let out = format!("killed{moment}");
         let mut child = start(folder.path(), &["--out", &out]);
         // An odd stride over the run's length, so that kills fall everywhere.
-        std::thread::sleep(took * (moment * 7 % 20) / 20 + Duration::from_millis(u64::from(moment)));
+        std::thread::sleep(
+            took * (moment * 7 % 20) / 20 + Duration::from_millis(u64::from(moment)),
+        );
         killed += u32::from(child.try_wait().unwrap().is_none());
         child.kill().unwrap();
         child.wait().unwrap();
@@ -61,7 +64,10 @@ fn a_run_killed_at_any_moment_resumes_to_the_same_bytes() {
         if at.exists() {
             for (name, bytes) in files(&at) {
                 let grows = name.ends_with(".csv") || name.ends_with(".sungaze");
-                assert!(grows || whole.get(&name) == Some(&bytes), "{name} was half-written at kill {moment}");
+                assert!(
+                    grows || whole.get(&name) == Some(&bytes),
+                    "{name} was half-written at kill {moment}"
+                );
             }
         }
         assert_eq!(finish(folder.path(), &["--out", &out, "--resume"]), 0);
@@ -89,14 +95,18 @@ fn an_interrupted_run_finishes_its_frame_and_can_go_on() {
     while !at.join("seen.0002.exr").exists() && begun.elapsed() < Duration::from_secs(60) {
         std::thread::sleep(Duration::from_millis(5));
     }
-    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    assert!(
+        Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success()
+    );
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert!(at.join("checkpoint.sungaze").exists());
     let rows = std::fs::read_to_string(at.join("trace.csv")).unwrap().lines().count() - 1;
     let written = files(&at).keys().filter(|name| name.starts_with("seen.")).count();
     assert_eq!(rows, written, "a row of the trace for every frame");
-    let changed =
-        finish(folder.path(), &["--out", "o", "--resume", "--set", "time.duration_s=3600", "--set", "time.fps=2"]);
+    let changed = finish(
+        folder.path(),
+        &["--out", "o", "--resume", "--set", "time.duration_s=3600", "--set", "time.fps=2"],
+    );
     assert_eq!(changed, 2, "changed settings are refused");
 }
 

@@ -1,8 +1,11 @@
-//! Where praised methods fail on the bleaching of an eye. Standard constants: 2e4 td, 120 s; 24 frames a second.
+//! Where praised methods fail on the bleaching of an eye. Standard constants: 2e4 td, 120 s; 24
+//! frames a second.
 
 use std::f64::consts::{FRAC_1_SQRT_2, LN_10};
 use sungaze::kinetics::{Kinetics, Law};
-use sungaze::step::{Drive, Implicit, Method, Rosenbrock, collocate, dormand_prince, linearly_implicit, relax};
+use sungaze::step::{
+    Drive, Implicit, Method, Rosenbrock, collocate, dormand_prince, linearly_implicit, relax,
+};
 use sungaze::units::{Seconds, Trolands};
 
 const FRAME: Seconds = Seconds(1.0 / 24.0);
@@ -89,7 +92,8 @@ fn a_glance_at_the_sun_blows_up_heun_and_runge_kutta_without_any_ringing() {
 
 #[test]
 fn a_glance_at_the_sun_leaves_backward_euler_stable_and_2865_times_wrong() {
-    let (found, exact) = (step("backward-euler", 1.0, held(SUN), FRAME), step("exact", 1.0, held(SUN), FRAME));
+    let (found, exact) =
+        (step("backward-euler", 1.0, held(SUN), FRAME), step("exact", 1.0, held(SUN), FRAME));
     assert_close(found, 5.72899e-3, 6);
     assert_close(found / exact, 2865.0, 4);
     assert_close(step("ros2", 1.0, held(SUN), FRAME), 4.75299e-3, 6);
@@ -154,8 +158,16 @@ fn rosenbrock_methods_amplify_as_a_power_of_the_light_they_did_not_see() {
     let bright = ramp(0.0, 2e4 * 1000.0 * 120.0 * 24.0);
     let ours = |name| amplification(|p| step(name, p, bright, FRAME)).abs();
     assert_close(ours("ros2"), 8.5e5, 2);
-    assert_close(amplification(|p| linearly_implicit(&ros3p(), &eye(), p, bright, FRAME)).abs(), 2.6e5, 2);
-    assert_close(amplification(|p| linearly_implicit(&RODAS3, &eye(), p, bright, FRAME)).abs(), 1.2e8, 2);
+    assert_close(
+        amplification(|p| linearly_implicit(&ros3p(), &eye(), p, bright, FRAME)).abs(),
+        2.6e5,
+        2,
+    );
+    assert_close(
+        amplification(|p| linearly_implicit(&RODAS3, &eye(), p, bright, FRAME)).abs(),
+        1.2e8,
+        2,
+    );
     assert_close(ours("rodas4"), 7.8e11, 2);
 }
 
@@ -163,7 +175,9 @@ fn rosenbrock_methods_amplify_as_a_power_of_the_light_they_did_not_see() {
 fn light_that_falls_inside_the_step_turns_l_stable_methods_negative() {
     let deepest = |step: &dyn Fn(f64, Drive) -> f64| {
         let light = (60..110).map(|i| 10f64.powf(0.1 * f64::from(i)));
-        light.map(|light| amplification(|p| step(p, ramp(light, 0.0)))).fold(f64::INFINITY, f64::min)
+        light
+            .map(|light| amplification(|p| step(p, ramp(light, 0.0))))
+            .fold(f64::INFINITY, f64::min)
     };
     assert_close(deepest(&|p, drive| step("tr-bdf2", p, drive, FRAME)), -3.1, 2);
     assert_close(deepest(&|p, drive| collocate(&SDIRK2, &eye(), p, drive, FRAME)), -1.4, 2);
@@ -200,7 +214,11 @@ fn exponential_rosenbrock_overshoots_a_screened_pigment_into_the_negative() {
     let x = 0.5 * LN_10;
     let limit = 1.0 - (x.exp() - 1.0) / x;
     assert_close((method.step)(&screened, 1.0, held(1e12), FRAME), limit, 5);
-    assert_close(linearly_implicit(&LINEARLY_IMPLICIT_EULER, &screened, 1.0, held(1e9), FRAME), -0.59, 2);
+    assert_close(
+        linearly_implicit(&LINEARLY_IMPLICIT_EULER, &screened, 1.0, held(1e9), FRAME),
+        -0.59,
+        2,
+    );
 }
 
 #[test]
@@ -208,7 +226,8 @@ fn heun_swings_about_a_false_rest_when_regeneration_is_limited() {
     let limited = other(Law::RateLimited { km: 0.2 });
     let heun = Method::named("heun").expect("a row of the table");
     let next = |p: &f64| Some((heun.step)(&limited, *p, DARK, Seconds(60.0)));
-    let bleached: Vec<f64> = std::iter::successors(Some(0.0), next).take(2000).map(|p| 1.0 - p).collect();
+    let bleached: Vec<f64> =
+        std::iter::successors(Some(0.0), next).take(2000).map(|p| 1.0 - p).collect();
     for (n, expected) in [(3, 0.33), (4, 0.23), (5, 0.32), (6, 0.23)] {
         assert_close(bleached[n], expected, 2);
     }
@@ -220,8 +239,11 @@ fn heun_swings_about_a_false_rest_when_regeneration_is_limited() {
 #[test]
 fn strang_splitting_rests_at_87_times_the_pigment_there_is() {
     let (rates, half) = (eye().rates(1.0, Trolands(SUN)), Seconds(0.5 * FRAME.0));
-    let (bleach, regenerate) = (sungaze::kinetics::Rates { regenerate: 0.0, ..rates }, eye().rates(1.0, Trolands(0.0)));
-    let p = (0..100).fold(1.0, |p, _| relax(relax(relax(p, regenerate, half), bleach, FRAME), regenerate, half));
+    let (bleach, regenerate) =
+        (sungaze::kinetics::Rates { regenerate: 0.0, ..rates }, eye().rates(1.0, Trolands(0.0)));
+    let p = (0..100).fold(1.0, |p, _| {
+        relax(relax(relax(p, regenerate, half), bleach, FRAME), regenerate, half)
+    });
     assert_close(p * SUN / 2e4, 86.8, 3);
     let exact = (0..100).fold(1.0, |p, _| step("exact", p, held(SUN), FRAME));
     assert!(exact * SUN / 2e4 <= 1.0, "catch s p never passes 1 at rest");
@@ -234,5 +256,8 @@ fn an_adaptive_explicit_method_pays_a_hundred_evaluations_for_one_exponential() 
         assert!((found.p - 2e-6).abs() < 10.0 * tolerance);
         found.evaluations
     });
-    assert!(spent[0] > 250 && spent.is_sorted(), "{spent:?}; scipy's RK45 spends 398, 656 and 1544");
+    assert!(
+        spent[0] > 250 && spent.is_sorted(),
+        "{spent:?}; scipy's RK45 spends 398, 656 and 1544"
+    );
 }

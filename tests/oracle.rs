@@ -13,8 +13,14 @@ struct Row {
 }
 
 fn rows(model: &str) -> Vec<Row> {
-    let table = std::fs::read_to_string("data/kinetics_oracle.csv").expect("the oracle lies in data/");
-    let rows: Vec<Row> = table.lines().skip(1).filter(|line| line.split(',').nth(1) == Some(model)).map(row).collect();
+    let table =
+        std::fs::read_to_string("data/kinetics_oracle.csv").expect("the oracle lies in data/");
+    let rows: Vec<Row> = table
+        .lines()
+        .skip(1)
+        .filter(|line| line.split(',').nth(1) == Some(model))
+        .map(row)
+        .collect();
     assert!(!rows.is_empty(), "no rows of {model}");
     rows
 }
@@ -28,7 +34,13 @@ fn row(line: &str) -> Row {
         _ => Law::SelfScreened { density: number(4), norm: 1.0 },
     };
     let kinetics = Kinetics { law, half_bleach: Trolands(number(3)), tau: Seconds(number(2)) };
-    Row { case: line.to_owned(), kinetics, p0: number(6), schedule: schedule(field[7]), p: number(9) }
+    Row {
+        case: line.to_owned(),
+        kinetics,
+        p0: number(6),
+        schedule: schedule(field[7]),
+        p: number(9),
+    }
 }
 
 /// `hold:<td>:<s>` and `ramp:<td>:<td>:<s>`, separated by spaces, or `<n>*(...)`.
@@ -38,7 +50,8 @@ fn schedule(text: &str) -> Vec<(Drive, Seconds)> {
         return once.repeat(count.parse().expect("a count"));
     }
     let part = |text: &str| {
-        let numbers: Vec<f64> = text.split(':').skip(1).map(|n| n.parse().expect("a number")).collect();
+        let numbers: Vec<f64> =
+            text.split(':').skip(1).map(|n| n.parse().expect("a number")).collect();
         match numbers[..] {
             [light, dt] => (Drive::Held(Trolands(light)), Seconds(dt)),
             [from, to, dt] => (Drive::Ramp { from: Trolands(from), to: Trolands(to) }, Seconds(dt)),
@@ -110,7 +123,12 @@ fn the_enclosure_of_the_other_laws_holds_the_truth() {
         for substeps in [1, 2, 8, 64, 1024] {
             let found = enclosed(&row.kinetics, row.p0, drive.mean(), dt, substeps);
             let error = (found.p - row.p).abs();
-            assert!(error <= found.error + 1e-14, "{error:e}, bound {:e}, {substeps} in {}", found.error, row.case);
+            assert!(
+                error <= found.error + 1e-14,
+                "{error:e}, bound {:e}, {substeps} in {}",
+                found.error,
+                row.case
+            );
         }
     }
 }

@@ -10,7 +10,9 @@ fn opened(path: &Path, options: &ReadOptions) -> Box<dyn Footage> {
 }
 
 fn read(path: &Path) -> Frame {
-    opened(path, &ReadOptions::default()).read(0, None, None).unwrap_or_else(|error| panic!("{error}"))
+    opened(path, &ReadOptions::default())
+        .read(0, None, None)
+        .unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn refused(path: &Path, options: &ReadOptions) -> String {
@@ -37,12 +39,13 @@ const HALF: [u8; 4] = [128, 64, 32, 128];
 #[test]
 fn radiance_is_divided_by_every_exposure_and_colour_correction() {
     let folder = tempfile::tempdir().unwrap();
-    let lines =
-        "FORMAT=32-bit_rle_rgbe\nEXPOSURE=2\nEXPOSURE= 0.25\nCOLORCORR=1 2 4\nPRIMARIES=.7 .3 .2 .7 .1 .1 .3 .3\n";
+    let lines = "FORMAT=32-bit_rle_rgbe\nEXPOSURE=2\nEXPOSURE= 0.25\nCOLORCORR=1 2 4\nPRIMARIES=.7 .3 .2 .7 .1 .1 .3 .3\n";
     let path = saved(&folder, "a.hdr", &radiance(lines, "-Y 1 +X 1", &[HALF]));
     let planes = read(&path).planes;
     assert_eq!([0, 1, 2].map(|i| planes.at(0, 0, i)), [1.0, 0.25, 0.0625]);
-    let Kind::Rgb(primaries) = opened(&path, &ReadOptions::default()).header().kind else { panic!("not RGB") };
+    let Kind::Rgb(primaries) = opened(&path, &ReadOptions::default()).header().kind else {
+        panic!("not RGB")
+    };
     assert_eq!((primaries.red, primaries.white), ([0.7, 0.3], [0.3, 0.3]));
 }
 
@@ -51,7 +54,8 @@ fn xyz_of_the_white_point_is_white() {
     let folder = tempfile::tempdir().unwrap();
     // D65: X 0.9505, Y 1, Z 1.0891.
     let white = [122, 128, 139, 129];
-    let path = saved(&folder, "a.hdr", &radiance("FORMAT=32-bit_rle_xyze\n", "-Y 1 +X 1", &[white]));
+    let path =
+        saved(&folder, "a.hdr", &radiance("FORMAT=32-bit_rle_xyze\n", "-Y 1 +X 1", &[white]));
     let planes = read(&path).planes;
     let rgb = [0, 1, 2].map(|i| planes.at(0, 0, i));
     assert!(rgb.iter().all(|value| (value - 1.0).abs() < 0.02), "{rgb:?}");
@@ -63,7 +67,8 @@ fn rows_from_the_bottom_and_columns_from_the_right_are_turned() {
     let pixel = |value| [value, value, value, 128];
     let pixels = [pixel(128), pixel(64), pixel(32), pixel(16)];
     let value = |resolution: &str, x, y| {
-        let path = saved(&folder, "a.hdr", &radiance("FORMAT=32-bit_rle_rgbe\n", resolution, &pixels));
+        let path =
+            saved(&folder, "a.hdr", &radiance("FORMAT=32-bit_rle_rgbe\n", resolution, &pixels));
         read(&path).planes.at(x, y, 0)
     };
     assert_eq!(value("-Y 2 +X 2", 1, 0), 0.25);
@@ -110,7 +115,10 @@ fn png_is_decoded_to_linear_light_and_its_clipped_sun_is_counted() {
 fn sixteen_bits_keep_their_depth() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.png");
-    image::ImageBuffer::<image::Rgb<u16>, _>::from_raw(1, 1, vec![65535u16, 1, 40000]).unwrap().save(&path).unwrap();
+    image::ImageBuffer::<image::Rgb<u16>, _>::from_raw(1, 1, vec![65535u16, 1, 40000])
+        .unwrap()
+        .save(&path)
+        .unwrap();
     let frame = read(&path);
     assert_eq!(frame.tally.clipped, 1);
     assert!((frame.planes.at(0, 0, 1) - 1.0 / 65535.0 / 12.92).abs() < 1e-9);
@@ -125,7 +133,10 @@ fn jpeg_is_read_and_a_cut_one_refused() {
     let bytes = std::fs::read(&path).unwrap();
     let cut = saved(&folder, "cut.jpg", &bytes[..30]);
     assert!(refused(&cut, &ReadOptions::default()).contains("cut.jpg: is damaged or cut short"));
-    assert!(refused(&path, &ReadOptions { wanted: Wanted::Spectral, ..Default::default() }).contains("spectral"));
+    assert!(
+        refused(&path, &ReadOptions { wanted: Wanted::Spectral, ..Default::default() })
+            .contains("spectral")
+    );
 }
 
 fn sample(name: &str) -> PathBuf {
@@ -137,11 +148,16 @@ fn the_file_of_spectral_python_has_its_bands_by_header_or_data() {
     for name in ["envi_bsq.hdr", "envi_bsq.img"] {
         let footage = opened(&sample(name), &ReadOptions::default());
         let Kind::Spectral(bands) = &footage.header().kind else { panic!("not spectral") };
-        assert_eq!((bands.len(), bands.as_slice()[0].centre, bands.as_slice()[30].centre), (31, 400.0, 700.0));
+        assert_eq!(
+            (bands.len(), bands.as_slice()[0].centre, bands.as_slice()[30].centre),
+            (31, 400.0, 700.0)
+        );
         assert_eq!((footage.header().width, footage.header().height), (8, 6));
         let raw = std::fs::read(sample("envi_bsq.img")).unwrap();
         let value = |band: usize, y: usize, x: usize| {
-            f64::from(f32::from_le_bytes(raw[((band * 6 + y) * 8 + x) * 4..][..4].try_into().unwrap()))
+            f64::from(f32::from_le_bytes(
+                raw[((band * 6 + y) * 8 + x) * 4..][..4].try_into().unwrap(),
+            ))
         };
         let planes = footage.read(0, None, None).unwrap().planes;
         assert_eq!([planes.at(3, 2, 7), planes.at(7, 5, 30)], [value(7, 2, 3), value(30, 5, 7)]);
@@ -181,7 +197,8 @@ fn envi(folder: &tempfile::TempDir, interleave: &str, code: u8, big: bool, more:
 fn every_envi_layout_holds_the_same_picture() {
     let folder = tempfile::tempdir().unwrap();
     for interleave in ["bsq", "bil", "bip"] {
-        for (code, big) in [2, 4, 5, 12].into_iter().flat_map(|code| [(code, false), (code, true)]) {
+        for (code, big) in [2, 4, 5, 12].into_iter().flat_map(|code| [(code, false), (code, true)])
+        {
             let planes = read(&envi(&folder, interleave, code, big, "")).planes;
             for (x, y, plane) in [(0, 0, 0), (2, 1, 0), (1, 0, 1), (2, 1, 1)] {
                 let expected = (100 * (1 - plane) + 10 * y + x) as f64;
@@ -196,7 +213,8 @@ fn envi_scale_factor_ignored_value_and_width_are_heeded() {
     let folder = tempfile::tempdir().unwrap();
     let more = "reflectance scale factor = 10\ndata ignore value = 111\nfwhm = {4, 5}\n";
     let path = envi(&folder, "bil", 4, false, more);
-    let options = ReadOptions { scale: 2.0, quantity: Quantity::BandIntegral, ..ReadOptions::default() };
+    let options =
+        ReadOptions { scale: 2.0, quantity: Quantity::BandIntegral, ..ReadOptions::default() };
     let planes = opened(&path, &options).read(0, None, None).unwrap().planes;
     assert!((planes.at(2, 1, 1) - 12.0 * 2.0 / 10.0 / 4.0).abs() < 1e-6, "{}", planes.at(2, 1, 1));
     assert!((planes.at(0, 0, 0) - 100.0 * 2.0 / 10.0 / 5.0).abs() < 1e-6, "{}", planes.at(0, 0, 0));
@@ -208,7 +226,10 @@ fn an_envi_file_without_its_other_half_or_too_short_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = envi(&folder, "bsq", 4, false, "");
     saved(&folder, "a.raw", &[0; 52]);
-    assert!(refused(&path, &ReadOptions::default()).contains("a.raw: is cut short: 52 bytes do not hold 3 x 2 x 2"));
+    assert!(
+        refused(&path, &ReadOptions::default())
+            .contains("a.raw: is cut short: 52 bytes do not hold 3 x 2 x 2")
+    );
     std::fs::remove_file(folder.path().join("a.raw")).unwrap();
     assert!(refused(&path, &ReadOptions::default()).contains("has no data beside it; looked for"));
 }

@@ -1,12 +1,15 @@
-//! The paper's model, Eq. 1 to 7, written out once more from the published tables alone, beside preset `paper` with
-//! `model = "steady"`. Nothing of the library's science is used on this side: only the files in `data/`.
+//! The paper's model, Eq. 1 to 7, written out once more from the published tables alone, beside
+//! preset `paper` with `model = "steady"`. Nothing of the library's science is used on this side:
+//! only the files in `data/`.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use sungaze::config::Config;
 use sungaze::config::settings::{DirectionalKey, NarrowingKey, PupilKey, SetKey, Steep, SteepWord};
-use sungaze::eye::{Adapting, Directional, Field, Narrowing, Observer, Reading, Rule, Set, Steepness};
+use sungaze::eye::{
+    Adapting, Directional, Field, Narrowing, Observer, Reading, Rule, Set, Steepness,
+};
 use sungaze::frames::{About, Compression, write_exr};
 use sungaze::light::{Planes, Primaries, Samples};
 use sungaze::percept::{LEVEL_BOUND, Vision};
@@ -71,12 +74,15 @@ impl Paper {
         for nm in NM.filter(|&nm| nm > 520) {
             s[nm - 390] = 10f64.powf(10402.1 / nm as f64 - 21.7185);
         }
-        let v = (0..l.len()).map(|i| 0.67255343 * l[i] + 0.36795030 * m[i] - 0.00489612 * s[i]).collect();
+        let v = (0..l.len())
+            .map(|i| 0.67255343 * l[i] + 0.36795030 * m[i] - 0.00489612 * s[i])
+            .collect();
         let absorbance = ["l", "m", "s"].map(|cone| {
             let log = column("cone_pieces.csv", &format!("log10_absorbance_{cone}"));
             NM.map(|nm| 10f64.powf(log[&nm])).collect()
         });
-        let (stiles, lens) = (column("stiles_crawford.csv", "p"), column("cone_pieces.csv", "lens_density"));
+        let (stiles, lens) =
+            (column("stiles_crawford.csv", "p"), column("cone_pieces.csv", "lens_density"));
         let steepness = NM.map(|nm| between(&stiles, nm) + 0.037 * lens[&nm]).collect();
         Paper { cones: [l, m, s], absorbance, steepness, v, own_peak }
     }
@@ -85,12 +91,15 @@ impl Paper {
         683.002 * light.iter().zip(&self.v).map(|(e, v)| e * v).sum::<f64>()
     }
 
-    /// Fundamental of a cone whose bleached fraction is b: narrowed by its own pigment, optical density 0.30.
+    /// Fundamental of a cone whose bleached fraction is b: narrowed by its own pigment, optical
+    /// density 0.30.
     fn narrowed(&self, k: usize, b: f64) -> Vec<f64> {
         let absorbed = |a: f64, p: f64| 1.0 - 10f64.powf(-0.30 * p * a);
         let pairs = self.cones[k].iter().zip(&self.absorbance[k]);
-        let whole: Vec<f64> = pairs.map(|(s, &a)| s * absorbed(a, 1.0 - b) / absorbed(a, 1.0)).collect();
-        // The printed coefficients leave the whole pigment's own peak up to 2e-4 from 1: that is no narrowing.
+        let whole: Vec<f64> =
+            pairs.map(|(s, &a)| s * absorbed(a, 1.0 - b) / absorbed(a, 1.0)).collect();
+        // The printed coefficients leave the whole pigment's own peak up to 2e-4 from 1: that is no
+        // narrowing.
         let greatest = |curve: &[f64]| curve.iter().copied().fold(0.0, f64::max);
         let peak = if self.own_peak { greatest(&whole) / greatest(&self.cones[k]) } else { 1.0 };
         whole.iter().map(|s| s / peak).collect()
@@ -98,9 +107,15 @@ impl Paper {
 
     /// A frame of spectra through Eq. 1 to 7; the gaze is the middle pixel.
     fn frame(&self, lights: &[Vec<f64>]) -> (f64, Vec<Place>) {
-        let from_gaze = |i: usize| ((i % WIDTH) as f64 - 3.0).hypot((i / WIDTH) as f64 - 2.0) / PIXELS_PER_DEGREE;
-        let fovea: Vec<f64> =
-            lights.iter().enumerate().filter(|&(i, _)| from_gaze(i) <= 1.0).map(|(_, l)| self.luminance(l)).collect();
+        let from_gaze = |i: usize| {
+            ((i % WIDTH) as f64 - 3.0).hypot((i / WIDTH) as f64 - 2.0) / PIXELS_PER_DEGREE
+        };
+        let fovea: Vec<f64> = lights
+            .iter()
+            .enumerate()
+            .filter(|&(i, _)| from_gaze(i) <= 1.0)
+            .map(|(_, l)| self.luminance(l))
+            .collect();
         let adapting = fovea.iter().sum::<f64>() / fovea.len() as f64;
         let d = (4.9 - 3.0 * (0.4 * (adapting.log10() + 1.0)).tanh()).clamp(2.0, 8.0); // Eq. 3
         let area = std::f64::consts::PI * d * d / 4.0;
@@ -110,7 +125,8 @@ impl Paper {
             for k in 0..3 {
                 let c = self.v.iter().sum::<f64>() / self.cones[k].iter().sum::<f64>();
                 let weighted = light.iter().zip(&self.cones[k]).zip(&self.steepness);
-                let integral: f64 = weighted.map(|((e, s), p)| e * 10f64.powf(-p * r * r) * s).sum(); // Eq. 5 to 7
+                let integral: f64 =
+                    weighted.map(|((e, s), p)| e * 10f64.powf(-p * r * r) * s).sum(); // Eq. 5 to 7
                 let td = 683.002 * c * area * integral; // Eq. 2
                 let b = td / (td + 10f64.powf(3.89)); // Eq. 1
                 let seen = self.narrowed(k, b);
@@ -128,15 +144,18 @@ impl Paper {
         let d65 = column("d65.csv", "d65");
         let basis = ["rho_r", "rho_g", "rho_b"].map(|name| column("mallett_yuksel_2019.csv", name));
         let sum = |rho: &BTreeMap<usize, f64>, curve: &[f64]| -> f64 {
-            rho.iter().filter(|(nm, _)| **nm >= 390).map(|(nm, r)| r * between(&d65, *nm) * curve[nm - 390]).sum()
+            rho.iter()
+                .filter(|(nm, _)| **nm >= 390)
+                .map(|(nm, r)| r * between(&d65, *nm) * curve[nm - 390])
+                .sum()
         };
         let white: f64 = basis.iter().map(|rho| sum(rho, &self.v)).sum();
         [0, 1, 2].map(|k| [0, 1, 2].map(|j| sum(&basis[j], &self.cones[k]) / white))
     }
 }
 
-/// Three frames that brighten, redder toward one corner: the pupil closes from 3.6 mm almost to 2 mm, where the corner
-/// lies beyond its edge. The samples are what a float file holds.
+/// Three frames that brighten, redder toward one corner: the pupil closes from 3.6 mm almost to 2
+/// mm, where the corner lies beyond its edge. The samples are what a float file holds.
 fn frames() -> Vec<Vec<Vec<f64>>> {
     let light = |frame: usize, i: usize| -> Vec<f64> {
         let (x, y) = ((i % WIDTH) as f64, (i / WIDTH) as f64);
@@ -167,7 +186,9 @@ fn near(ours: f64, straight: f64, share: f64, what: &str) {
 
 #[test]
 fn preset_paper_is_the_observer_of_the_paper_until_a_key_says_otherwise() {
-    let parse = |toml: &str| Config::parse(toml, "test", "test", Path::new(""), &[]).expect("a configuration");
+    let parse = |toml: &str| {
+        Config::parse(toml, "test", "test", Path::new(""), &[]).expect("a configuration")
+    };
     let paper = parse("observer.preset = \"paper\"").settings.observer;
     assert_eq!(paper.fundamentals, SetKey::Smj1993);
     assert_eq!(paper.pupil, PupilKey::MoonSpencerAsPrinted);
@@ -175,8 +196,11 @@ fn preset_paper_is_the_observer_of_the_paper_until_a_key_says_otherwise() {
     assert_eq!(paper.stiles_crawford_p, Steep::Word(SteepWord::LensCorrected));
     assert_eq!((paper.half_bleach_log_td, paper.tau_s), ([3.89; 3], [120.0; 3]));
     assert_eq!(paper.narrowing, NarrowingKey::Narrowed);
-    let other =
-        parse("observer = { preset = \"paper\", constants = \"hollins-alpern\", tau_s = [1, 2, 3] }").settings.observer;
+    let other = parse(
+        "observer = { preset = \"paper\", constants = \"hollins-alpern\", tau_s = [1, 2, 3] }",
+    )
+    .settings
+    .observer;
     assert_eq!((other.half_bleach_log_td, other.tau_s), ([4.3, 4.3, 5.0], [1.0, 2.0, 3.0]));
     assert_eq!(other.fundamentals, SetKey::Smj1993);
 }
@@ -186,15 +210,19 @@ fn s_cones_that_lose_half_of_their_pigment_are_told_of_with_time_and_share() {
     let folder = tempfile::tempdir().expect("a folder");
     write_frames(folder.path());
     let out = folder.path().join("out");
-    let report =
-        run::run(&config(folder.path(), "depleted"), &out, Existing::Refuse, &Unwatched).expect("a run").report;
+    let report = run::run(&config(folder.path(), "depleted"), &out, Existing::Refuse, &Unwatched)
+        .expect("a run")
+        .report;
     let paper = Paper::new(false);
-    let past_half = |lights: &Vec<Vec<f64>>| paper.frame(lights).1.iter().filter(|p| p.bleached[2] > 0.5).count();
+    let past_half = |lights: &Vec<Vec<f64>>| {
+        paper.frame(lights).1.iter().filter(|p| p.bleached[2] > 0.5).count()
+    };
     let counts: Vec<usize> = frames().iter().map(past_half).collect();
     let first = counts.iter().position(|&n| n > 0).expect("some frame bleaches S by half");
     let share = 100.0 * *counts.last().expect("frames") as f64 / (WIDTH * HEIGHT) as f64;
     let told = report["warnings"].to_string();
-    let expected = format!("from {:.3} s on, over up to {share:.2} % of the retina", (first + 1) as f64);
+    let expected =
+        format!("from {:.3} s on, over up to {share:.2} % of the retina", (first + 1) as f64);
     assert!(told.contains(&expected), "{told} lacks {expected}");
 }
 
@@ -209,8 +237,11 @@ fn the_library_in_full_precision_is_equations_1_to_7_frame_by_frame() {
             let pupil = eye.pupil.diameter(foveal(&eye, &curves));
             near(pupil.0, d, 1e-9, "pupil");
             for (i, (curve, place)) in curves.iter().zip(&places).enumerate() {
-                let degrees = ((i % WIDTH) as f64 - 3.0).hypot((i / WIDTH) as f64 - 2.0) / PIXELS_PER_DEGREE;
-                let r = Millimetres(degrees * eye.directional.mm_per_degree().expect("the paper's reading"));
+                let degrees =
+                    ((i % WIDTH) as f64 - 3.0).hypot((i / WIDTH) as f64 - 2.0) / PIXELS_PER_DEGREE;
+                let r = Millimetres(
+                    degrees * eye.directional.mm_per_degree().expect("the paper's reading"),
+                );
                 let td = eye.illuminance(curve, pupil, r);
                 let p = [0, 1, 2].map(|k: usize| pigments[k].steady(td[k]));
                 let catch = eye.catch(curve, p);
@@ -228,8 +259,10 @@ fn the_library_in_full_precision_is_equations_1_to_7_frame_by_frame() {
 fn foveal(eye: &Observer, curves: &[Curve]) -> Adapting {
     let v = eye.luminous_efficiency();
     let inside = |i: usize| (i % WIDTH).abs_diff(3).pow(2) + (i / WIDTH).abs_diff(2).pow(2) <= 1;
-    let nits: Vec<f64> =
-        (0..curves.len()).filter(|&i| inside(i)).map(|i| LUMENS_PER_WATT * curves[i].times(&v).integral()).collect();
+    let nits: Vec<f64> = (0..curves.len())
+        .filter(|&i| inside(i))
+        .map(|i| LUMENS_PER_WATT * curves[i].times(&v).integral())
+        .collect();
     assert_eq!(eye.pupil, Rule::MoonSpencerAsPrinted);
     let mean = Nits(nits.iter().sum::<f64>() / nits.len() as f64);
     Adapting { fovea: mean, picture: mean, area_deg2: 1.0 }
@@ -240,9 +273,16 @@ fn write_frames(folder: &Path) {
     let names: Vec<String> = NM.map(|nm| format!("b{nm}")).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     for (n, lights) in frames().iter().enumerate() {
-        let band = |y: usize, band: usize| (0..WIDTH).map(move |x| lights[y * WIDTH + x][band] as f32);
-        let samples = (0..HEIGHT).flat_map(|y| (0..names.len()).flat_map(move |i| band(y, i))).collect();
-        let planes = Planes { width: WIDTH, height: HEIGHT, count: names.len(), samples: Samples::Float(samples) };
+        let band =
+            |y: usize, band: usize| (0..WIDTH).map(move |x| lights[y * WIDTH + x][band] as f32);
+        let samples =
+            (0..HEIGHT).flat_map(|y| (0..names.len()).flat_map(move |i| band(y, i))).collect();
+        let planes = Planes {
+            width: WIDTH,
+            height: HEIGHT,
+            count: names.len(),
+            samples: Samples::Float(samples),
+        };
         let path = folder.join(format!("f.{:04}.exr", n + 1));
         write_exr(&path, &names, &planes, Compression::Zip, &About::default()).expect("a frame");
     }
@@ -254,7 +294,8 @@ fn a_run_of_the_paper_is_equations_1_to_7_within_the_bound_of_its_levels() {
         let folder = tempfile::tempdir().expect("a folder");
         write_frames(folder.path());
         let out = folder.path().join("out");
-        run::run(&config(folder.path(), narrowing), &out, Existing::Refuse, &Unwatched).expect("a run");
+        run::run(&config(folder.path(), narrowing), &out, Existing::Refuse, &Unwatched)
+            .expect("a run");
         let paper = Paper::new(own_peak);
         let probes = std::fs::read_to_string(out.join("probes.csv")).expect("probes");
         for (n, lights) in frames().iter().enumerate() {
@@ -266,8 +307,10 @@ fn a_run_of_the_paper_is_equations_1_to_7_within_the_bound_of_its_levels() {
                     near(ours, catch, LEVEL_BOUND + 2e-5, "catch");
                 }
             }
-            // The corner is pixel (6, 4): I and p come through the levels of the Stiles-Crawford weight, 1e-5.
-            let row: Vec<f64> = probes.lines().nth(n + 1).expect("a row").split(',').skip(3).map(number).collect();
+            // The corner is pixel (6, 4): I and p come through the levels of the Stiles-Crawford
+            // weight, 1e-5.
+            let row: Vec<f64> =
+                probes.lines().nth(n + 1).expect("a row").split(',').skip(3).map(number).collect();
             let corner = &places[4 * WIDTH + 6];
             for k in 0..3 {
                 near(row[k], corner.trolands[k], 1.1e-5, "probe's trolands");
@@ -284,27 +327,37 @@ fn number(cell: &str) -> f64 {
 /// The pixels of a percept, linear sRGB in cd/m2.
 fn seen(path: &Path) -> Vec<[f64; 3]> {
     let options = sungaze::frames::ReadOptions::default();
-    let planes =
-        sungaze::frames::open(&[path.to_owned()], &options).expect("a file").read(0, None, None).expect("pixels");
+    let planes = sungaze::frames::open(&[path.to_owned()], &options)
+        .expect("a file")
+        .read(0, None, None)
+        .expect("pixels");
     let at = |i: usize| [0, 1, 2].map(|c| planes.planes.at(i % WIDTH, i / WIDTH, c));
     (0..WIDTH * HEIGHT).map(at).collect()
 }
 
 #[test]
 fn bleaching_begins_without_a_step_in_either_narrowing_of_any_set() {
-    let sets =
-        [(Set::Cie2006, Field::TenDegrees), (Set::Cie2006, Field::TwoDegrees), (Set::Smj1993, Field::TenDegrees)];
-    for ((set, field), narrowing) in
-        sets.into_iter().flat_map(|set| [Narrowing::Depleted, Narrowing::Narrowed].map(|narrowing| (set, narrowing)))
-    {
+    let sets = [
+        (Set::Cie2006, Field::TenDegrees),
+        (Set::Cie2006, Field::TwoDegrees),
+        (Set::Smj1993, Field::TenDegrees),
+    ];
+    for ((set, field), narrowing) in sets.into_iter().flat_map(|set| {
+        [Narrowing::Depleted, Narrowing::Narrowed].map(|narrowing| (set, narrowing))
+    }) {
         let directional = Directional::new(Reading::Off, Steepness::Measured);
-        let observer = Observer::new(set, field, set.optical_density(field), narrowing, directional);
+        let observer =
+            Observer::new(set, field, set.optical_density(field), narrowing, directional);
         let vision = Vision::of_rgb(observer, &Primaries::REC709, Nits(1.0)).unwrap();
-        let pixel = Planes { width: 1, height: 1, count: 3, samples: Samples::Float(vec![0.9, 0.5, 0.2]) };
+        let pixel =
+            Planes { width: 1, height: 1, count: 3, samples: Samples::Float(vec![0.9, 0.5, 0.2]) };
         let moments = vision.moments(&pixel, 0, 0);
         let [whole, bleached] = [1.0, 1.0 - 1e-9].map(|p| vision.catch(&moments, [p; 3]));
         for k in 0..3 {
-            assert!((bleached[k] / whole[k] - 1.0).abs() < 1e-8, "{set:?} {field:?} {narrowing:?} {k}");
+            assert!(
+                (bleached[k] / whole[k] - 1.0).abs() < 1e-8,
+                "{set:?} {field:?} {narrowing:?} {k}"
+            );
         }
     }
 }

@@ -19,14 +19,24 @@ fn pigments() -> [Kinetics; 3] {
 }
 
 fn tracked() -> Model {
-    Model::Tracked { method: Method::named("exact").unwrap(), substeps: 0, budget: SUBSTEPS * BUDGET }
+    Model::Tracked {
+        method: Method::named("exact").unwrap(),
+        substeps: 0,
+        budget: SUBSTEPS * BUDGET,
+    }
 }
 
 fn viewer(planes: &Planes, plan: Plan) -> Viewer {
     let mut observer = Observer::standard();
     observer.pupil = Rule::Fixed(Millimetres(2.0));
     let vision = Vision::of_rgb(observer, &Primaries::REC709, Nits(1.0)).unwrap();
-    let mut viewer = Viewer::new(vision, pigments(), tracked(), Retina::rested(planes.width, planes.height), 10.0);
+    let mut viewer = Viewer::new(
+        vision,
+        pigments(),
+        tracked(),
+        Retina::rested(planes.width, planes.height),
+        10.0,
+    );
     viewer.plan = plan;
     viewer
 }
@@ -64,7 +74,8 @@ fn a_crop_of_nothing_but_the_sun_is_steady_at_video_rate() {
     let mut viewer = viewer(&planes, Plan::new(Some(BUDGET)));
     let seen = look(&mut viewer, &planes, [150.0, 1.0]);
     assert_eq!(viewer.plan.name(tracked()), "steady");
-    let (error, bound) = (error(&viewer, &planes, &seen, 1), viewer.plan.bound(tracked(), &pigments()).unwrap());
+    let (error, bound) =
+        (error(&viewer, &planes, &seen, 1), viewer.plan.bound(tracked(), &pigments()).unwrap());
     assert!(error <= bound && bound <= BUDGET, "{error:e} {bound:e}");
 }
 
@@ -79,7 +90,8 @@ fn where_the_sun_is_only_part_of_a_tile_it_is_followed() {
 
 #[test]
 fn at_least_as_bright_as_that_and_a_little_dimmer_the_bound_holds() {
-    // Around the light from which a frame outlasts memory (2e4 td: 1.2e9 td, S 6e9), in steps of 5 %.
+    // Around the light from which a frame outlasts memory (2e4 td: 1.2e9 td, S 6e9), in steps of 5
+    // %.
     for i in 0..80 {
         let white = 1e8 * 1.05f32.powi(i);
         let planes = picture(3, 1, |_| white);
@@ -110,7 +122,8 @@ fn under_a_moving_gaze_dim_tiles_stay_untouched_and_give_their_light_back_exactl
         }
     }
     let report = free.plan.report(tracked(), &pigments());
-    let (tiles, stepped) = (report["tiles"].as_u64().unwrap(), report["tiles_tracked"].as_u64().unwrap());
+    let (tiles, stepped) =
+        (report["tiles"].as_u64().unwrap(), report["tiles_tracked"].as_u64().unwrap());
     assert!(stepped > 0 && stepped < tiles / 2 + 1, "{report}");
 }
 
@@ -124,10 +137,12 @@ fn every_reduction_is_reported_with_its_bound_and_its_reason_whether_it_was_take
         let terms = viewer.plan.terms(tracked(), &pigments());
         assert_eq!(terms.len(), 7);
         assert!(terms.iter().all(|term| !term.why.is_empty()));
-        let taken: Vec<&str> = terms.iter().filter(|term| term.chosen).map(|term| term.what).collect();
+        let taken: Vec<&str> =
+            terms.iter().filter(|term| term.chosen).map(|term| term.what).collect();
         assert_eq!(taken.contains(&"no bleaching anywhere"), model == "none");
         assert_eq!(taken.contains(&"the exact step"), model == "tracked");
-        let sum: f64 = terms.iter().filter(|term| term.chosen).map(|term| term.bound.unwrap()).sum();
+        let sum: f64 =
+            terms.iter().filter(|term| term.chosen).map(|term| term.bound.unwrap()).sum();
         assert_eq!(viewer.plan.bound(tracked(), &pigments()), Some(sum));
     }
 }
@@ -148,7 +163,8 @@ fn what_ignoring_a_bright_moment_would_cost_is_not_forgotten_in_the_dark_after_i
 #[test]
 fn dim_rgb_is_promised_exactly_and_dim_spectra_to_single_precision() {
     let bands = Bands::uniform(395.0, 705.0, 5).unwrap();
-    let spectral = Planes { width: 9, height: 2, count: 5, samples: Samples::Float(vec![1e-6; 90]) };
+    let spectral =
+        Planes { width: 9, height: 2, count: 5, samples: Samples::Float(vec![1e-6; 90]) };
     let rgb = picture(9, 2, |_| 1e-3);
     let mut of_rgb = viewer(&rgb, Plan::new(Some(BUDGET)));
     let vision = Vision::of_held_bands(of_rgb.vision.observer.clone(), &bands);
@@ -156,7 +172,8 @@ fn dim_rgb_is_promised_exactly_and_dim_spectra_to_single_precision() {
     of_bands.plan = Plan::new(Some(BUDGET));
     look(&mut of_bands, &spectral, [4.0, 1.0]);
     look(&mut of_rgb, &rgb, [4.0, 1.0]);
-    let [exact, rounded] = [&of_rgb, &of_bands].map(|viewer| viewer.plan.bound(tracked(), &pigments()).unwrap());
+    let [exact, rounded] =
+        [&of_rgb, &of_bands].map(|viewer| viewer.plan.bound(tracked(), &pigments()).unwrap());
     assert!(exact < 1e-6 && rounded > 1e-6, "{exact:e} {rounded:e}");
 }
 
@@ -190,5 +207,8 @@ fn a_bright_surround_has_bleached_the_places_that_the_picture_reaches() {
     look(&mut viewer, &planes, [20.0, 1.0]);
     let seen = look(&mut viewer, &planes, [30.0, 1.0]).seen;
     assert_eq!(seen.at(25, 1, 1), planes.at(25, 1, 1));
-    assert!(seen.at(35, 1, 1) < 0.99 * planes.at(35, 1, 1) || seen.at(5, 1, 1) < 0.99 * planes.at(5, 1, 1));
+    assert!(
+        seen.at(35, 1, 1) < 0.99 * planes.at(35, 1, 1)
+            || seen.at(5, 1, 1) < 0.99 * planes.at(5, 1, 1)
+    );
 }

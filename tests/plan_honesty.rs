@@ -44,7 +44,8 @@ fn scene(chance: &mut Chance) -> Scene {
         1 => Law::self_screened(0.4),
         _ => Law::RateLimited { km: 0.2 },
     };
-    let pigment = |log: f64| Kinetics { law, half_bleach: Trolands(10f64.powf(log)), tau: Seconds(120.0) };
+    let pigment =
+        |log: f64| Kinetics { law, half_bleach: Trolands(10f64.powf(log)), tau: Seconds(120.0) };
     let (dimmest, decades) = (chance.between(0.0, 8.0), chance.between(0.1, 2.0));
     let count = 1 + (chance.unit() * 6.0) as usize;
     let log_step = chance.between(-3.0, 600f64.log10());
@@ -53,7 +54,10 @@ fn scene(chance: &mut Chance) -> Scene {
         let mut light = |_| 10f64.powf(dimmest + decades * chance.unit() - 0.5);
         let mut samples: Vec<f32> = (0..WIDTH * HEIGHT * 3).map(|i| light(i) as f32).collect();
         samples.iter_mut().skip(77).step_by(501).for_each(|v| *v *= 10.0);
-        (Planes { width: WIDTH, height: HEIGHT, count: 3, samples: Samples::Float(samples) }, log_step)
+        (
+            Planes { width: WIDTH, height: HEIGHT, count: 3, samples: Samples::Float(samples) },
+            log_step,
+        )
     });
     let frames = frames.map(|(planes, log)| (planes, Seconds(10f64.powf(log)))).collect();
     Scene { pigments: [4.3, 4.3, 5.0].map(pigment), frames }
@@ -69,7 +73,8 @@ fn vision() -> Vision {
 fn error_and_bound(vision: &Vision, scene: &Scene) -> (f64, f64) {
     let exact = Method::named("exact").unwrap();
     let model = Model::Tracked { method: exact, substeps: 0, budget: SUBSTEPS * BUDGET };
-    let mut viewer = Viewer::new(vision.clone(), scene.pigments, model, Retina::rested(WIDTH, HEIGHT), 10.0);
+    let mut viewer =
+        Viewer::new(vision.clone(), scene.pigments, model, Retina::rested(WIDTH, HEIGHT), 10.0);
     viewer.plan = Plan::new(Some(BUDGET));
     let mut truth = vec![[1.0; 3]; WIDTH * HEIGHT];
     let mut worst: f64 = 0.0;
@@ -80,7 +85,8 @@ fn error_and_bound(vision: &Vision, scene: &Scene) -> (f64, f64) {
             let at = [i % WIDTH, i / WIDTH];
             let moments = vision.moments(planes, at[0], at[1]);
             let td = vision.illuminance(&moments, &weights);
-            *p = [0, 1, 2].map(|k| step::advance(&scene.pigments[k], p[k], Trolands(td[k]), *dt, 48));
+            *p = [0, 1, 2]
+                .map(|k| step::advance(&scene.pigments[k], p[k], Trolands(td[k]), *dt, 48));
             let ours = viewer.fractions_at([0.0; 2], at);
             worst = (0..3).map(|k| (ours[k] - p[k]).abs()).fold(worst, f64::max);
             if i % 100 == 0 {
@@ -91,7 +97,13 @@ fn error_and_bound(vision: &Vision, scene: &Scene) -> (f64, f64) {
     (worst, viewer.plan.bound(model, &scene.pigments).unwrap())
 }
 
-fn error_of_catch(vision: &Vision, planes: &Planes, [x, y]: [usize; 2], ours: [f64; 3], p: [f64; 3]) -> f64 {
+fn error_of_catch(
+    vision: &Vision,
+    planes: &Planes,
+    [x, y]: [usize; 2],
+    ours: [f64; 3],
+    p: [f64; 3],
+) -> f64 {
     let mut radiance = Curve::sampled(|_| 0.0);
     for (i, basis) in vision.basis().iter().enumerate() {
         radiance.0.iter_mut().zip(&basis.0).for_each(|(sum, b)| *sum += planes.at(x, y, i) * b);
@@ -115,5 +127,10 @@ fn no_error_exceeds_its_bound_and_half_of_the_bounds_are_within_thirty_times_of_
         }
     }
     ratios.sort_by(f64::total_cmp);
-    assert!(ratios.len() > 50 && ratios[ratios.len() / 2] < 30.0, "{} of {}", ratios[ratios.len() / 2], ratios.len());
+    assert!(
+        ratios.len() > 50 && ratios[ratios.len() / 2] < 30.0,
+        "{} of {}",
+        ratios[ratios.len() / 2],
+        ratios.len()
+    );
 }

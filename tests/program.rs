@@ -29,8 +29,14 @@ fn told(output: &Output) -> String {
     text
 }
 
-const SMALL: [&str; 6] =
-    ["--set", "input.width=64", "--set", "time.times_s=[0, 0.5, 1, 2]", "--set", "output.compression=zip"];
+const SMALL: [&str; 6] = [
+    "--set",
+    "input.width=64",
+    "--set",
+    "time.times_s=[0, 0.5, 1, 2]",
+    "--set",
+    "output.compression=zip",
+];
 
 fn run_small(folder: &Path, more: &[&str]) -> Output {
     sungaze(folder, &[&["run", "--quiet"], &SMALL[..], more].concat())
@@ -53,18 +59,33 @@ fn a_run_leaves_what_its_contract_says() {
     let output = run_small(folder.path(), &["--out", "o", "--json"]);
     assert_eq!(code(&output), 0, "{}", told(&output));
     let o = folder.path().join("o");
-    for name in
-        ["seen.0001.exr", "display.0003.png", "state.exr", "trace.csv", "probes.csv", "probes.svg", "report.json"]
-    {
+    for name in [
+        "seen.0001.exr",
+        "display.0003.png",
+        "state.exr",
+        "trace.csv",
+        "probes.csv",
+        "probes.svg",
+        "report.json",
+    ] {
         assert!(o.join(name).metadata().is_ok_and(|m| m.len() > 0), "{name}");
     }
-    assert_eq!(std::fs::read_dir(&o).unwrap().count(), 3 + 3 + 5, "nothing else, no checkpoint, no temporary file");
+    assert_eq!(
+        std::fs::read_dir(&o).unwrap().count(),
+        3 + 3 + 5,
+        "nothing else, no checkpoint, no temporary file"
+    );
     let trace = std::fs::read_to_string(o.join("trace.csv")).unwrap();
-    assert!(trace.starts_with("frame,time_s,duration_s,gaze_x,gaze_y,adapting_cd_m2,pupil_mm,sce_L,sce_M,sce_S,"));
+    assert!(trace.starts_with(
+        "frame,time_s,duration_s,gaze_x,gaze_y,adapting_cd_m2,pupil_mm,sce_L,sce_M,sce_S,"
+    ));
     assert_eq!(trace.lines().count(), 4);
     let probes = std::fs::read_to_string(o.join("probes.csv")).unwrap();
-    assert!(probes.starts_with("frame,time_s,probe,I_L,I_M,I_S,p_L,p_M,p_S,X,Y,Z,x,y\n1,0.5,gaze,"));
-    let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("stdout is the report");
+    assert!(
+        probes.starts_with("frame,time_s,probe,I_L,I_M,I_S,p_L,p_M,p_S,X,Y,Z,x,y\n1,0.5,gaze,")
+    );
+    let report: serde_json::Value =
+        serde_json::from_slice(&output.stdout).expect("stdout is the report");
     for key in ["config", "version", "constants", "plan", "check", "frames", "warnings", "timing"] {
         assert!(!report[key].is_null(), "{key}");
     }
@@ -77,7 +98,9 @@ fn results_do_not_depend_on_the_number_of_threads() {
         let output = run_small(folder.path(), &["--out", threads, "--threads", threads]);
         assert_eq!(code(&output), 0, "{}", told(&output));
     }
-    for name in ["seen.0003.exr", "display.0002.png", "state.exr", "trace.csv", "probes.csv", "probes.svg"] {
+    for name in
+        ["seen.0003.exr", "display.0002.png", "state.exr", "trace.csv", "probes.csv", "probes.svg"]
+    {
         let bytes = |threads: &str| std::fs::read(folder.path().join(threads).join(name)).unwrap();
         assert_eq!(bytes("1"), bytes("2"), "{name}");
         assert_eq!(bytes("1"), bytes("5"), "{name}");
@@ -131,9 +154,12 @@ fn a_mistake_costs_nothing_of_an_earlier_run() {
     assert_eq!(code(&run_small(folder.path(), &["--out", "o"])), 0);
     let files = || std::fs::read_dir(folder.path().join("o")).unwrap().count();
     let before = files();
-    for mistake in
-        ["output.compression=tar", "numerics.method=leapfrog", "observer.start=nowhere.exr", "gaze.path=nowhere.csv"]
-    {
+    for mistake in [
+        "output.compression=tar",
+        "numerics.method=leapfrog",
+        "observer.start=nowhere.exr",
+        "gaze.path=nowhere.csv",
+    ] {
         let output = run_small(folder.path(), &["--out", "o", "--overwrite", "--set", mistake]);
         assert_ne!(code(&output), 0, "{mistake}");
         assert_eq!(files(), before, "{mistake}");
@@ -155,17 +181,31 @@ fn bad_frames_that_a_policy_lets_go_on_are_counted_and_exit_with_three() {
     let gap = run(&["--set", "input.frames=f.####.exr", "--out", "gap"]);
     assert_eq!(code(&gap), 2, "{}", told(&gap));
     assert!(told(&gap).contains("3"), "the missing number is named: {}", told(&gap));
-    let held = run(&["--set", "input.frames=f.####.exr", "--set", "input.missing=hold", "--out", "held"]);
+    let held =
+        run(&["--set", "input.frames=f.####.exr", "--set", "input.missing=hold", "--out", "held"]);
     assert_eq!(code(&held), 3, "{}", told(&held));
     assert_eq!(told(&held).trim().lines().count(), 1, "one warning: {}", told(&held));
     assert!(at("held/seen.0003.exr").exists(), "one output for the missing number");
     let trace = std::fs::read_to_string(at("held/trace.csv")).unwrap();
-    assert!(trace.lines().nth(4).is_some_and(|row| row.starts_with("4,0.1666")), "time follows the numbers: {trace}");
-    let set = ["--set", "input.frames=inf.exr", "--set", "time.duration_s=0.04", "--set", "input.non_finite=clamp"];
+    assert!(
+        trace.lines().nth(4).is_some_and(|row| row.starts_with("4,0.1666")),
+        "time follows the numbers: {trace}"
+    );
+    let set = [
+        "--set",
+        "input.frames=inf.exr",
+        "--set",
+        "time.duration_s=0.04",
+        "--set",
+        "input.non_finite=clamp",
+    ];
     let clamped = run(&[&set[..], &["--out", "clamped"]].concat());
     assert_eq!(code(&clamped), 3, "{}", told(&clamped));
     let report: serde_json::Value = serde_json::from_slice(&clamped.stdout).unwrap();
-    assert_eq!((&report["frames"]["infinite_samples"], &report["frames"]["nan_samples"]), (&8.into(), &8.into()));
+    assert_eq!(
+        (&report["frames"]["infinite_samples"], &report["frames"]["nan_samples"]),
+        (&8.into(), &8.into())
+    );
 }
 
 #[test]
@@ -185,7 +225,10 @@ fn a_run_that_takes_a_method_past_its_limit_says_which_frame_and_by_how_much() {
     let output = run_small(folder.path(), &set);
     let (warned, report) = (told(&output), String::from_utf8_lossy(&output.stdout).into_owned());
     for text in [warned, report] {
-        assert!(text.contains("frame 1: h lambda = ") && text.contains("past the limit 2.7853"), "{text}");
+        assert!(
+            text.contains("frame 1: h lambda = ") && text.contains("past the limit 2.7853"),
+            "{text}"
+        );
     }
 }
 
@@ -204,7 +247,11 @@ fn two_runs_do_not_write_into_one_folder_at_once() {
         "--out",
         "o",
     ];
-    let mut first = Command::new(env!("CARGO_BIN_EXE_sungaze")).current_dir(folder.path()).args(long).spawn().unwrap();
+    let mut first = Command::new(env!("CARGO_BIN_EXE_sungaze"))
+        .current_dir(folder.path())
+        .args(long)
+        .spawn()
+        .unwrap();
     let begun = std::time::Instant::now();
     while !folder.path().join("o/seen.0001.exr").exists() && begun.elapsed().as_secs() < 60 {
         std::thread::sleep(std::time::Duration::from_millis(5));
@@ -214,7 +261,11 @@ fn two_runs_do_not_write_into_one_folder_at_once() {
     first.wait().unwrap();
     assert_eq!(code(&second), 2, "{}", told(&second));
     assert!(told(&second).contains("another run"), "{}", told(&second));
-    assert_eq!(code(&run_small(folder.path(), &["--out", "o", "--overwrite"])), 0, "a killed run holds nothing");
+    assert_eq!(
+        code(&run_small(folder.path(), &["--out", "o", "--overwrite"])),
+        0,
+        "a killed run holds nothing"
+    );
 }
 
 /// A configuration, the exit code it deserves and what the message must name.
@@ -222,7 +273,11 @@ const WRONG: &[(&str, i32, &[&str])] = &[
     ("[observer]\nagee = 30\n", 2, &["c.toml:2", "agee"]),
     ("[observer]\nage = \"old\"\n", 2, &["c.toml:2", "observer.age"]),
     ("[observer]\n\nage = 300\n", 2, &["c.toml:3", "observer.age", "300", "5 to 120"]),
-    ("[observer]\npupil = \"round\"\n", 2, &["c.toml:2", "observer.pupil", "watson-yellott", "moon-spencer"]),
+    (
+        "[observer]\npupil = \"round\"\n",
+        2,
+        &["c.toml:2", "observer.pupil", "watson-yellott", "moon-spencer"],
+    ),
     ("[observer]\npreset = \"papper\"\n", 2, &["c.toml:2", "observer.preset", "papper", "paper"]),
     ("[observer]\nconstants = \"mine\"\n", 2, &["observer.constants", "wyszecki-stiles"]),
     ("[observer]\npupil = \"fixed\"\n", 2, &["observer.pupil_mm", "required"]),
@@ -240,8 +295,16 @@ const WRONG: &[(&str, i32, &[&str])] = &[
     ("[input]\nframes = \"cut.exr\"\nhorizontal_fov_deg = 40\n", 1, &["cut.exr"]),
     ("[input]\nframes = \"nan.exr\"\nhorizontal_fov_deg = 40\n", 1, &["nan.exr", "NaN"]),
     ("[input]\nframes = \"plain.exr\"\n", 2, &["input.horizontal_fov_deg", "required"]),
-    ("[input]\nframes = \"white.exr\"\nhorizontal_fov_deg = 40\n", 2, &["input.white_cd_m2", "required", "179"]),
-    ("[input]\nframes = \"plain.exr\"\nhorizontal_fov_deg = 40\nmax_pixels = 3\n", 1, &["plain.exr", "max_pixels"]),
+    (
+        "[input]\nframes = \"white.exr\"\nhorizontal_fov_deg = 40\n",
+        2,
+        &["input.white_cd_m2", "required", "179"],
+    ),
+    (
+        "[input]\nframes = \"plain.exr\"\nhorizontal_fov_deg = 40\nmax_pixels = 3\n",
+        1,
+        &["plain.exr", "max_pixels"],
+    ),
     ("[input]\nscene = \"moonrise\"\n", 2, &["input.scene", "sunset"]),
     ("[display]\nhighlights = 2\n", 2, &["display.highlights", "0 to 1"]),
     ("[output]\ncompression = \"tar\"\n", 2, &["output.compression", "zip"]),
@@ -258,23 +321,34 @@ fn every_mistake_gets_one_message_that_names_it() {
     let at = |name: &str| folder.path().join(name);
     picture(&at("plain.exr"), 4, 2, [1.0; 3]);
     picture(&at("nan.exr"), 4, 2, [1.0, f32::NAN, 1.0]);
-    write_exr(&at("white.exr"), &["R", "G", "B"], &Planes::float(4, 2, 3), Compression::None, &About::default())
-        .unwrap();
+    write_exr(
+        &at("white.exr"),
+        &["R", "G", "B"],
+        &Planes::float(4, 2, 3),
+        Compression::None,
+        &About::default(),
+    )
+    .unwrap();
     std::fs::write(at("empty.exr"), "").unwrap();
     std::fs::write(at("text.exr"), "this is no picture at all, only text").unwrap();
     let whole = std::fs::read(at("plain.exr")).unwrap();
     std::fs::write(at("cut.exr"), &whole[..whole.len() - 20]).unwrap();
     for (toml, expected, names) in WRONG {
         std::fs::write(at("c.toml"), toml).unwrap();
-        let output = sungaze(folder.path(), &["run", "c.toml", "--quiet", "--out", "o", "--overwrite"]);
+        let output =
+            sungaze(folder.path(), &["run", "c.toml", "--quiet", "--out", "o", "--overwrite"]);
         let message = told(&output);
         assert_eq!(code(&output), *expected, "{toml}: {message}");
         assert_eq!(message.trim().lines().count(), 1, "one message: {message}");
         for name in *names {
             assert!(message.contains(name), "{toml} should name {name}: {message}");
         }
-        let left: Vec<PathBuf> = std::fs::read_dir(at("o")).into_iter().flatten().map(|e| e.unwrap().path()).collect();
-        assert!(left.iter().all(|p| !p.to_string_lossy().ends_with(".exr")), "{toml} left {left:?}");
+        let left: Vec<PathBuf> =
+            std::fs::read_dir(at("o")).into_iter().flatten().map(|e| e.unwrap().path()).collect();
+        assert!(
+            left.iter().all(|p| !p.to_string_lossy().ends_with(".exr")),
+            "{toml} left {left:?}"
+        );
     }
 }
 

@@ -24,7 +24,8 @@ fn psychtoolbox_onset_is_met_by_the_exact_step() {
 fn psychtoolbox_one_second_euler_is_met_by_forward_euler_and_diverges_at_1e8_td() {
     let euler = |light, seconds| {
         let method = Method::named("forward-euler").expect("a row of the table");
-        1.0 - (0..seconds).fold(1.0, |p, _| method.hold(&eye(), p, Trolands(light), Seconds(1.0), 1))
+        1.0 - (0..seconds)
+            .fold(1.0, |p, _| method.hold(&eye(), p, Trolands(light), Seconds(1.0), 1))
     };
     for (seconds, bleached) in [(1, 0.0417656), (10, 0.3350376), (60, 0.7954951)] {
         assert!((euler(1e5, seconds) - bleached).abs() < 1e-7);
@@ -52,8 +53,14 @@ fn a_sequence_of_looks_ends_where_it_was_computed_to_end() {
 
 #[test]
 fn the_flash_train_of_cooper_2020_bleaches_as_published() {
-    let published =
-        [(1, 0.336527066), (2, 0.528324619), (3, 0.637636188), (5, 0.735443211), (10, 0.779667866), (13, 0.781973571)];
+    let published = [
+        (1, 0.336527066),
+        (2, 0.528324619),
+        (3, 0.637636188),
+        (5, 0.735443211),
+        (10, 0.779667866),
+        (13, 0.781973571),
+    ];
     let mut p = 1.0;
     for trial in 1..=13 {
         p = look(look(p, 0.0, 4.0), 988015.9686, 0.999);

@@ -25,7 +25,10 @@ fn run(name: &str, keys: &str) -> Vec<Vec<f64>> {
         .unwrap();
     assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
     let rows = std::fs::read_to_string(folder.path().join("o/probes.csv")).unwrap();
-    rows.lines().skip(1).map(|row| row.split(',').skip(3).map(|cell| cell.parse().unwrap()).collect()).collect()
+    rows.lines()
+        .skip(1)
+        .map(|row| row.split(',').skip(3).map(|cell| cell.parse().unwrap()).collect())
+        .collect()
 }
 
 /// A probe in the middle of each pixel of the top `rows` of a picture.
@@ -58,8 +61,16 @@ fn layouts_of_mitsuba_and_pbrt_need_no_key_but_a_scale() {
     assert!(run("mi_bitmap_fichet.exr", "")[0][0] > 1e4);
     let [one, scaled] = ["", "input.scale = 0.01\nobserver.pupil = \"watson-yellott\"\n"]
         .map(|keys| run("pbrt_like_spectralfilm.exr", keys));
-    assert!(scaled[0][0] < one[0][0] && scaled[0][7] > 0.0, "less light, a wider pupil, the same layout");
-    assert!((scaled[0][7] / one[0][7] - 0.01).abs() < 0.002, "Y scales: {} {}", scaled[0][7], one[0][7]);
+    assert!(
+        scaled[0][0] < one[0][0] && scaled[0][7] > 0.0,
+        "less light, a wider pupil, the same layout"
+    );
+    assert!(
+        (scaled[0][7] / one[0][7] - 0.01).abs() < 0.002,
+        "Y scales: {} {}",
+        scaled[0][7],
+        one[0][7]
+    );
 }
 
 #[test]

@@ -1,5 +1,5 @@
-//! The standard observer over time, against the anchors of the model: Psychtoolbox-like segment sequences, the
-//! chromaticity track of the half-degree sun, and the steady-state limit.
+//! The standard observer over time, against the anchors of the model: Psychtoolbox-like segment
+//! sequences, the chromaticity track of the half-degree sun, and the steady-state limit.
 
 use sungaze::colour::{apply, chromaticity};
 use sungaze::constants;
@@ -21,7 +21,8 @@ const OZONE: [(f64, f64); 9] = [
     (700.0, 0.021),
 ];
 
-/// Mean radiance of the sun's disc half a degree up, turbidity 2.5, written out anew from its published formula.
+/// Mean radiance of the sun's disc half a degree up, turbidity 2.5, written out anew from its
+/// published formula.
 fn half_degree_sun() -> Curve {
     let h: f64 = 0.5;
     let mass = 1.0 / (h.to_radians().sin() + 0.50572 * (h + 6.07995).powf(-1.6364));
@@ -31,14 +32,20 @@ fn half_degree_sun() -> Curve {
     };
     Curve::sampled(|nm| {
         let l = nm / 1000.0;
-        let depth = 0.008735 * l.powf(-4.08) + (0.0461 * 2.5 - 0.0459) * l.powf(-1.3) + 0.35 * ozone(nm);
+        let depth =
+            0.008735 * l.powf(-4.08) + (0.0461 * 2.5 - 0.0459) * l.powf(-1.3) + 0.35 * ozone(nm);
         SOLAR.interpolated("irradiance", nm) / 6.807e-5 * (-mass * depth).exp()
     })
 }
 
 fn standard_pigments() -> [Kinetics; 3] {
     let set = constants::named("standard").unwrap();
-    [0, 1, 2].map(|k| Kinetics::first_order(Trolands(10f64.powf(set.half_bleach_log_td[k])), Seconds(set.tau_s[k])))
+    [0, 1, 2].map(|k| {
+        Kinetics::first_order(
+            Trolands(10f64.powf(set.half_bleach_log_td[k])),
+            Seconds(set.tau_s[k]),
+        )
+    })
 }
 
 fn observer_without_directional_effect() -> Observer {
@@ -49,21 +56,33 @@ fn observer_without_directional_effect() -> Observer {
 
 #[test]
 fn the_low_sun_turns_from_red_through_yellow_to_green_and_pales() {
-    let (eye, sun, pigments) = (observer_without_directional_effect(), half_degree_sun(), standard_pigments());
+    let (eye, sun, pigments) =
+        (observer_without_directional_effect(), half_degree_sun(), standard_pigments());
     let td = eye.illuminance(&sun, Millimetres(2.0), Millimetres(0.0));
     let seen_after = |t: f64| {
         let p = [0, 1, 2].map(|k| advance(&pigments[k], 1.0, td[k], Seconds(t), 1));
         (p, apply(&eye.lms_to_xyz, eye.catch(&sun, p)))
     };
-    let published =
-        [(0.0, 0.621, 0.373), (0.3, 0.599, 0.392), (1.0, 0.521, 0.462), (2.0, 0.271, 0.672), (30.0, 0.308, 0.291)];
+    let published = [
+        (0.0, 0.621, 0.373),
+        (0.3, 0.599, 0.392),
+        (1.0, 0.521, 0.462),
+        (2.0, 0.271, 0.672),
+        (30.0, 0.308, 0.291),
+    ];
     for (t, x, y) in published {
         let [ours_x, ours_y] = chromaticity(seen_after(t).1);
-        assert!((ours_x - x).abs() < 0.005 && (ours_y - y).abs() < 0.005, "{t} s: {ours_x} {ours_y}");
+        assert!(
+            (ours_x - x).abs() < 0.005 && (ours_y - y).abs() < 0.005,
+            "{t} s: {ours_x} {ours_y}"
+        );
     }
     for t in [3.0, 5.0, 8.0] {
         let [x, y] = chromaticity(seen_after(t).1);
-        assert!(x < 0.0 || y > 0.8 || x + y > 1.0 || outside_the_spectrum_locus(x, y), "{t} s: {x} {y}");
+        assert!(
+            x < 0.0 || y > 0.8 || x + y > 1.0 || outside_the_spectrum_locus(x, y),
+            "{t} s: {x} {y}"
+        );
     }
     let (p, _) = seen_after(1.0);
     assert!((p[0] - 0.357).abs() < 0.002 && (p[1] - 0.610).abs() < 0.002, "{p:?}");
@@ -95,7 +114,9 @@ fn the_tracked_percept_ends_in_the_steady_one() {
     let steady = [0, 1, 2].map(|k| pigments[k].steady(td[k]));
     let tracked = [0, 1, 2].map(|k| {
         // Thirty time constants of the slowest cone, in uneven frames.
-        [1000.0, 0.04, 3000.0].iter().fold(1.0, |p, &h| advance(&pigments[k], p, td[k], Seconds(h), 1))
+        [1000.0, 0.04, 3000.0]
+            .iter()
+            .fold(1.0, |p, &h| advance(&pigments[k], p, td[k], Seconds(h), 1))
     });
     let unbleached = eye.catch(&sun, [1.0; 3]);
     let (a, b) = (eye.catch(&sun, steady), eye.catch(&sun, tracked));

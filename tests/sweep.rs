@@ -44,8 +44,12 @@ fn table(toml: &str) -> Vec<HashMap<String, f64>> {
     let mut lines = text.lines();
     let names: Vec<&str> = lines.next().unwrap().rsplitn(12, ',').take(11).collect();
     let numbers = |line: &str| {
-        let last = names.iter().zip(line.rsplitn(12, ',')).map(|(name, v)| ((*name).to_owned(), v.parse().unwrap()));
-        last.chain([("duration_s".to_owned(), line.split(',').nth(1).unwrap().parse().unwrap())]).collect()
+        let last = names
+            .iter()
+            .zip(line.rsplitn(12, ','))
+            .map(|(name, v)| ((*name).to_owned(), v.parse().unwrap()));
+        last.chain([("duration_s".to_owned(), line.split(',').nth(1).unwrap().parse().unwrap())])
+            .collect()
     };
     lines.map(numbers).collect()
 }
@@ -61,7 +65,9 @@ fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
         let path = entry.unwrap().path();
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         if path.is_dir() {
-            found.extend(files(&path).into_iter().map(|(inner, bytes)| (format!("{name}/{inner}"), bytes)));
+            found.extend(
+                files(&path).into_iter().map(|(inner, bytes)| (format!("{name}/{inner}"), bytes)),
+            );
         } else {
             found.push((name, std::fs::read(&path).unwrap()));
         }
@@ -82,7 +88,12 @@ fn every_duration_has_the_closed_form_of_the_light_that_it_reports() {
         for (k, half_bleach) in [10f64.powf(4.3), 10f64.powf(4.3), 1e5].into_iter().enumerate() {
             let a = 1.0 + light[k] / half_bleach;
             let expected = 1.0 / a + (1.0 - 1.0 / a) * (-t / 120.0 * a).exp();
-            assert!((p[k] - expected).abs() < 1e-5, "{t} s, {} td: {} for {expected}", light[k], p[k]);
+            assert!(
+                (p[k] - expected).abs() < 1e-5,
+                "{t} s, {} td: {} for {expected}",
+                light[k],
+                p[k]
+            );
         }
         assert!(t > 0.0 || p == [1.0; 3], "the start is unbleached");
     }
@@ -98,8 +109,11 @@ fn the_nonlinear_laws_stay_within_budget_of_a_thousand_substeps() {
         for row in &rows {
             let (light, p) = (triple(row, "I"), triple(row, "p"));
             for k in 0..3 {
-                let law =
-                    if law == "self-screened" { Law::self_screened(density[k]) } else { Law::RateLimited { km: 0.2 } };
+                let law = if law == "self-screened" {
+                    Law::self_screened(density[k])
+                } else {
+                    Law::RateLimited { km: 0.2 }
+                };
                 let half_bleach = Trolands([10f64.powf(4.3), 10f64.powf(4.3), 1e5][k]);
                 let pigment = Kinetics { law, half_bleach, tau: Seconds(120.0) };
                 let truth = finely(&pigment, light[k], row["duration_s"]);
@@ -133,9 +147,16 @@ fn one_process_an_array_of_jobs_and_any_number_of_threads_leave_the_same_files()
     }
     succeeds(folder.path(), &["s.toml", "--out", "many", "--merge"]);
     let (one, many) = (files(&folder.path().join("one")), files(&folder.path().join("many")));
-    let names = |files: &[(String, Vec<u8>)]| files.iter().map(|file| file.0.clone()).collect::<Vec<_>>();
+    let names =
+        |files: &[(String, Vec<u8>)]| files.iter().map(|file| file.0.clone()).collect::<Vec<_>>();
     assert_eq!(names(&one), names(&many));
-    for name in ["sweep.csv", "contact.png", "sweep.svg", "case.0003/seen.0003.exr", "case.0000/display.0001.png"] {
+    for name in [
+        "sweep.csv",
+        "contact.png",
+        "sweep.svg",
+        "case.0003/seen.0003.exr",
+        "case.0000/display.0001.png",
+    ] {
         assert!(names(&one).contains(&name.to_owned()), "{name} of {:?}", names(&one));
     }
     assert!(one.iter().zip(&many).all(|(a, b)| a.1 == b.1));
@@ -175,7 +196,9 @@ fn finished_cases_are_kept_and_other_settings_are_refused_with_their_key() {
     let written = std::fs::metadata(&cells).unwrap().modified().unwrap();
     succeeds(folder.path(), &["s.toml", "--out", "o"]);
     assert_eq!(std::fs::metadata(&cells).unwrap().modified().unwrap(), written);
-    for (set, key) in [("observer.age=50", "observer.age"), ("sweep.durations_s=[0, 2]", "sweep.durations_s")] {
+    for (set, key) in
+        [("observer.age=50", "observer.age"), ("sweep.durations_s=[0, 2]", "sweep.durations_s")]
+    {
         let refused = sungaze(folder.path(), &["s.toml", "--out", "o", "--set", set]);
         assert_eq!(refused.status.code(), Some(2));
         assert!(told(&refused).contains(key), "{}", told(&refused));
@@ -184,19 +207,33 @@ fn finished_cases_are_kept_and_other_settings_are_refused_with_their_key() {
     std::fs::create_dir(folder.path().join("mine")).unwrap();
     std::fs::write(folder.path().join("mine/letter.txt"), "dear").unwrap();
     let refused = sungaze(folder.path(), &["s.toml", "--out", "mine"]);
-    assert!(refused.status.code() == Some(2) && told(&refused).contains("letter.txt"), "{}", told(&refused));
+    assert!(
+        refused.status.code() == Some(2) && told(&refused).contains("letter.txt"),
+        "{}",
+        told(&refused)
+    );
 }
 
 #[test]
 fn a_merge_of_unfinished_cases_names_them_and_an_index_past_the_end_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let text = format!("{SMALL}durations_s = [1]\n[[sweep.vary]]\nkey = \"observer.age\"\nvalues = [20, 40, 60]\n");
+    let text = format!(
+        "{SMALL}durations_s = [1]\n[[sweep.vary]]\nkey = \"observer.age\"\nvalues = [20, 40, 60]\n"
+    );
     std::fs::write(folder.path().join("s.toml"), text).unwrap();
     succeeds(folder.path(), &["s.toml", "--out", "o", "--index", "1"]);
     let merge = sungaze(folder.path(), &["s.toml", "--out", "o", "--merge"]);
-    assert!(merge.status.code() == Some(1) && told(&merge).contains("--index 0, 2"), "{}", told(&merge));
+    assert!(
+        merge.status.code() == Some(1) && told(&merge).contains("--index 0, 2"),
+        "{}",
+        told(&merge)
+    );
     let beyond = sungaze(folder.path(), &["s.toml", "--out", "o", "--index", "3"]);
-    assert!(beyond.status.code() == Some(2) && told(&beyond).contains("0 to 2"), "{}", told(&beyond));
+    assert!(
+        beyond.status.code() == Some(2) && told(&beyond).contains("0 to 2"),
+        "{}",
+        told(&beyond)
+    );
     let list = sungaze(folder.path(), &["s.toml", "--list"]);
     let lines = String::from_utf8(list.stdout).unwrap();
     assert_eq!(lines, "0  observer.age = 20\n1  observer.age = 40\n2  observer.age = 60\n");
@@ -205,13 +242,19 @@ fn a_merge_of_unfinished_cases_names_them_and_an_index_past_the_end_is_refused()
 #[test]
 fn a_pattern_without_files_is_refused_at_its_line_or_at_the_value_that_names_it() {
     let folder = tempfile::tempdir().unwrap();
-    let base = "[input]\nhorizontal_fov_deg = 8\nframes = \"no.####.exr\"\n[sweep]\ndurations_s = [1]\n";
-    let varied = format!("{base}[[sweep.vary]]\nkey = \"input.frames\"\nvalues = [\n\"nor.####.exr\"]\n");
+    let base =
+        "[input]\nhorizontal_fov_deg = 8\nframes = \"no.####.exr\"\n[sweep]\ndurations_s = [1]\n";
+    let varied =
+        format!("{base}[[sweep.vary]]\nkey = \"input.frames\"\nvalues = [\n\"nor.####.exr\"]\n");
     for (text, line) in [(base, 3), (&varied, 9)] {
         std::fs::write(folder.path().join("s.toml"), text).unwrap();
         let refused = sungaze(folder.path(), &["s.toml", "--out", "o"]);
         assert_eq!(refused.status.code(), Some(2));
-        assert!(told(&refused).contains(&format!("s.toml:{line}: input.frames: ")), "{}", told(&refused));
+        assert!(
+            told(&refused).contains(&format!("s.toml:{line}: input.frames: ")),
+            "{}",
+            told(&refused)
+        );
     }
 }
 
@@ -222,11 +265,20 @@ fn write_sequence(folder: &Path) {
     for frame in 1..=3u32 {
         let mut planes = Planes::float(24, 16, 3);
         if let Samples::Float(samples) = &mut planes.samples {
-            samples.iter_mut().enumerate().for_each(|(i, v)| *v = (i * 31 % 97 * frame as usize) as f32);
+            samples
+                .iter_mut()
+                .enumerate()
+                .for_each(|(i, v)| *v = (i * 31 % 97 * frame as usize) as f32);
         }
         let about = About { white: Some(sungaze::units::Nits(2000.0)), ..About::default() };
-        write_exr(&folder.join(format!("f.{frame:04}.exr")), &["R", "G", "B"], &planes, Compression::Zip, &about)
-            .unwrap();
+        write_exr(
+            &folder.join(format!("f.{frame:04}.exr")),
+            &["R", "G", "B"],
+            &planes,
+            Compression::Zip,
+            &about,
+        )
+        .unwrap();
     }
     std::fs::write(folder.join("gaze.csv"), "time_s,x,y\n0,0.5,0.5\n3,0.8,0.3\n").unwrap();
 }
@@ -250,16 +302,20 @@ fn a_sequence_looked_at_where_its_frames_end_is_a_run() {
     let table = std::fs::read_to_string(swept.join("sweep.csv")).unwrap();
     sungaze::run::run(&config, &ran, Existing::Refuse, &Unwatched).unwrap();
     let probes = std::fs::read_to_string(ran.join("probes.csv")).unwrap();
-    let ends: Vec<&str> = probes.lines().filter(|row| row.starts_with("1,1,") || row.starts_with("3,3,")).collect();
-    let looks: Vec<&str> = table.lines().filter(|row| row.starts_with("0,1,") || row.starts_with("0,3,")).collect();
+    let ends: Vec<&str> =
+        probes.lines().filter(|row| row.starts_with("1,1,") || row.starts_with("3,3,")).collect();
+    let looks: Vec<&str> =
+        table.lines().filter(|row| row.starts_with("0,1,") || row.starts_with("0,3,")).collect();
     assert_eq!((ends.len(), looks.len()), (4, 4));
-    let numbers = |row: &str| row.split(',').skip(3).map(|v| v.parse::<f64>().unwrap()).collect::<Vec<_>>();
+    let numbers =
+        |row: &str| row.split(',').skip(3).map(|v| v.parse::<f64>().unwrap()).collect::<Vec<_>>();
     for (end, look) in ends.iter().zip(&looks) {
         // The first frame is cut at 0.25 s, so the last bits of p may differ.
         let pairs: Vec<(f64, f64)> = numbers(end).into_iter().zip(numbers(look)).collect();
         assert!(pairs.iter().all(|(a, b)| (a - b).abs() <= 1e-6 * a.abs()), "{end}\n{look}");
     }
-    let (a, b) = (samples(&swept.join("case.0000/seen.0004.exr")), samples(&ran.join("seen.0003.exr")));
+    let (a, b) =
+        (samples(&swept.join("case.0000/seen.0004.exr")), samples(&ran.join("seen.0003.exr")));
     let (sungaze::light::Samples::Float(a), sungaze::light::Samples::Float(b)) = (a, b) else {
         panic!("float in, float out")
     };
@@ -271,10 +327,18 @@ fn a_sequence_looked_at_where_its_frames_end_is_a_run() {
 fn a_sequence_that_ends_before_the_last_duration_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     write_sequence(folder.path());
-    std::fs::write(folder.path().join("s.toml"), format!("{SEQUENCE}[sweep]\ndurations_s = [1, 3.5]\n")).unwrap();
+    std::fs::write(
+        folder.path().join("s.toml"),
+        format!("{SEQUENCE}[sweep]\ndurations_s = [1, 3.5]\n"),
+    )
+    .unwrap();
     let refused = sungaze(folder.path(), &["s.toml", "--out", "o"]);
     assert_eq!(refused.status.code(), Some(2));
-    assert!(told(&refused).contains("sweep.durations_s: found 3.5, but the frames end at 3 s"), "{}", told(&refused));
+    assert!(
+        told(&refused).contains("sweep.durations_s: found 3.5, but the frames end at 3 s"),
+        "{}",
+        told(&refused)
+    );
 }
 
 #[test]
@@ -295,12 +359,13 @@ fn frames_that_had_to_be_mended_are_told_of_by_every_part_of_a_sweep() {
     use sungaze::frames::{About, Compression, write_exr};
     use sungaze::light::{Planes, Samples};
     let folder = tempfile::tempdir().unwrap();
-    let samples = Samples::Float((0..16 * 9 * 3).map(|i| if i == 50 { f32::NAN } else { 1.0 }).collect());
+    let samples =
+        Samples::Float((0..16 * 9 * 3).map(|i| if i == 50 { f32::NAN } else { 1.0 }).collect());
     let still = Planes { width: 16, height: 9, count: 3, samples };
     let about = About { white: Some(sungaze::units::Nits(100.0)), ..About::default() };
-    write_exr(&folder.path().join("a.exr"), &["R", "G", "B"], &still, Compression::Zip, &about).unwrap();
-    let text =
-        "[input]\nframes = \"a.exr\"\nhorizontal_fov_deg = 8\nnon_finite = \"clamp\"\n[sweep]\ndurations_s = [1]\n";
+    write_exr(&folder.path().join("a.exr"), &["R", "G", "B"], &still, Compression::Zip, &about)
+        .unwrap();
+    let text = "[input]\nframes = \"a.exr\"\nhorizontal_fov_deg = 8\nnon_finite = \"clamp\"\n[sweep]\ndurations_s = [1]\n";
     std::fs::write(folder.path().join("s.toml"), text).unwrap();
     for part in [&["--index", "0"][..], &["--merge"], &[]] {
         let output = sungaze(folder.path(), &[&["s.toml", "--out", "o"], part].concat());
@@ -315,13 +380,19 @@ fn a_probe_on_black_has_no_chromaticity_and_its_sweep_finishes() {
     let folder = tempfile::tempdir().unwrap();
     let about = About { white: Some(sungaze::units::Nits(100.0)), ..About::default() };
     let black = Planes::float(16, 9, 3);
-    write_exr(&folder.path().join("a.exr"), &["R", "G", "B"], &black, Compression::Zip, &about).unwrap();
-    let text = "[input]\nframes = \"a.exr\"\nhorizontal_fov_deg = 8\n[sweep]\ndurations_s = [0, 1]\n";
+    write_exr(&folder.path().join("a.exr"), &["R", "G", "B"], &black, Compression::Zip, &about)
+        .unwrap();
+    let text =
+        "[input]\nframes = \"a.exr\"\nhorizontal_fov_deg = 8\n[sweep]\ndurations_s = [0, 1]\n";
     std::fs::write(folder.path().join("s.toml"), text).unwrap();
     succeeds(folder.path(), &["s.toml", "--out", "o"]);
     succeeds(folder.path(), &["s.toml", "--out", "o", "--merge"]);
     let table = std::fs::read_to_string(folder.path().join("o/sweep.csv")).unwrap();
-    assert_eq!(table.lines().skip(1).filter(|row| row.ends_with(",0,0,0,NaN,NaN")).count(), 2, "{table}");
+    assert_eq!(
+        table.lines().skip(1).filter(|row| row.ends_with(",0,0,0,NaN,NaN")).count(),
+        2,
+        "{table}"
+    );
 }
 
 #[test]
@@ -341,7 +412,8 @@ fn durations_past_a_methods_limit_are_told_of_once_by_every_part_of_a_sweep() {
 #[test]
 fn a_case_whose_rows_were_cut_short_is_run_again() {
     let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("s.toml"), format!("{SMALL}durations_s = [0, 1, 5]\n")).unwrap();
+    std::fs::write(folder.path().join("s.toml"), format!("{SMALL}durations_s = [0, 1, 5]\n"))
+        .unwrap();
     succeeds(folder.path(), &["s.toml", "--out", "o"]);
     let whole = files(&folder.path().join("o"));
     let cells = folder.path().join("o/case.0000/cells.csv");

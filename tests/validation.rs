@@ -1,4 +1,5 @@
-//! `validate` judges what it is given: it passes what is shipped and fails what is one per cent off.
+//! `validate` judges what it is given: it passes what is shipped and fails what is one per cent
+//! off.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -9,11 +10,17 @@ use sungaze::validate::{Check, Subject, TOPICS, Verdict};
 /// Every check but those on pictures, which take longest.
 fn checks(subject: &Subject) -> Vec<Check> {
     let topics = TOPICS.iter().filter(|topic| !topic.title.contains("pictures"));
-    topics.flat_map(|topic| (topic.checks)(subject).expect("a configuration that can be read")).collect()
+    topics
+        .flat_map(|topic| (topic.checks)(subject).expect("a configuration that can be read"))
+        .collect()
 }
 
 fn failures(subject: &Subject) -> Vec<String> {
-    checks(subject).into_iter().filter(|check| check.verdict == Verdict::Fail).map(|check| check.name).collect()
+    checks(subject)
+        .into_iter()
+        .filter(|check| check.verdict == Verdict::Fail)
+        .map(|check| check.name)
+        .collect()
 }
 
 #[test]
@@ -35,7 +42,10 @@ fn a_constant_that_is_one_per_cent_off_fails() {
         "observer.stiles_crawford_p = 0.0505".into(),
     ];
     for change in changes {
-        assert!(!failures(&Subject::new(std::slice::from_ref(&change))).is_empty(), "{change} goes unnoticed");
+        assert!(
+            !failures(&Subject::new(std::slice::from_ref(&change))).is_empty(),
+            "{change} goes unnoticed"
+        );
     }
     let mut subject = Subject::new(&[]);
     subject.rods.half_bleach = Trolands(1.01 * subject.rods.half_bleach.0);
@@ -44,7 +54,8 @@ fn a_constant_that_is_one_per_cent_off_fails() {
 
 #[test]
 fn known_disagreements_are_stated_and_not_judged() {
-    let stated = checks(&Subject::new(&[])).into_iter().filter(|check| check.verdict == Verdict::Info);
+    let stated =
+        checks(&Subject::new(&[])).into_iter().filter(|check| check.verdict == Verdict::Info);
     let (mut count, mut differ) = (0, true);
     for check in stated {
         count += 1;

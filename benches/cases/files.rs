@@ -1,4 +1,5 @@
-//! Frames in files: each compression of OpenEXR written and read, and a whole run from disk to disk.
+//! Frames in files: each compression of OpenEXR written and read, and a whole run from disk to
+//! disk.
 
 use std::path::Path;
 
@@ -17,9 +18,13 @@ const FRAMES: usize = 8;
 
 /// The same picture written and read in each code, and a run over frames of it.
 pub fn all(size: [usize; 2]) -> Vec<Planned> {
-    let writing = |code| planned(format!("write EXR, {code}"), move |name| written(name, &evening(size), code));
-    let reading = |code| planned(format!("read EXR, {code}"), move |name| read(name, &evening(size), code));
-    let whole = planned("run, ZIP in and out, a frame of it", move |name| whole_run(name, &evening(size)));
+    let writing = |code| {
+        planned(format!("write EXR, {code}"), move |name| written(name, &evening(size), code))
+    };
+    let reading =
+        |code| planned(format!("read EXR, {code}"), move |name| read(name, &evening(size), code));
+    let whole =
+        planned("run, ZIP in and out, a frame of it", move |name| whole_run(name, &evening(size)));
     CODES.into_iter().flat_map(|code| [writing(code), reading(code)]).chain([whole]).collect()
 }
 
@@ -32,7 +37,12 @@ fn evening([width, height]: [usize; 2]) -> Planes {
         let light = if from_sun < 0.01 { 3e4 } else { 20.0 + 400.0 / (1.0 + 30.0 * from_sun) };
         f16::from_f32(light * [1.0, 0.5, 0.2][plane] * (0.99 + 0.02 * noise(i)))
     };
-    Planes { width, height, count: 3, samples: Samples::Half((0..3 * width * height).map(sample).collect()) }
+    Planes {
+        width,
+        height,
+        count: 3,
+        samples: Samples::Half((0..3 * width * height).map(sample).collect()),
+    }
 }
 
 fn write(path: &Path, planes: &Planes, code: &str) {
@@ -48,7 +58,8 @@ fn written(name: String, planes: &Planes, code: &'static str) -> Case {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("f.exr");
     write(&path, planes, code);
-    let (bytes, packed, planes) = (6 * planes.width * planes.height, size_of(&path), planes.clone());
+    let (bytes, packed, planes) =
+        (6 * planes.width * planes.height, size_of(&path), planes.clone());
     let share = 100.0 * packed as f64 / bytes as f64;
     let work = move || write(&folder.path().join("f.exr"), &planes, code);
     Case::new(format!("{name}: {share:.0} % of the bytes"), bytes + packed, work)
@@ -76,7 +87,8 @@ fn whole_run(name: String, planes: &Planes) -> Case {
     let text = "[input]\nframes = \"f.####.exr\"\nhorizontal_fov_deg = 60\nwhite_cd_m2 = 10\n\
                 [numerics]\nmodel = \"tracked\"\n\
                 [output]\ndisplay = \"none\"\nstate = \"none\"\ncompression = \"zip\"\n";
-    let config = Config::parse(text, "bench", "bench", folder.path(), &[]).expect("a configuration");
+    let config =
+        Config::parse(text, "bench", "bench", folder.path(), &[]).expect("a configuration");
     let bytes = FRAMES * (planes.width * planes.height * (6 + 6 + 48) + 2 * size_of(&frame(1)));
     let work = move || {
         run(&config, &folder.path().join("out"), Existing::Overwrite, &Unwatched).expect("a run");

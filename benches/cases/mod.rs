@@ -1,4 +1,5 @@
-//! What is measured: work on pictures in memory and in files, and the bytes that it cannot do without.
+//! What is measured: work on pictures in memory and in files, and the bytes that it cannot do
+//! without.
 
 mod files;
 
@@ -65,7 +66,9 @@ pub fn copy(bytes: usize) -> Box<dyn FnMut() + Send> {
     let from = vec![1u8; bytes / 2];
     let mut to = vec![0u8; bytes / 2];
     Box::new(move || {
-        to.par_chunks_mut(BLOCK).zip(from.par_chunks(BLOCK)).for_each(|(to, from)| to.copy_from_slice(from));
+        to.par_chunks_mut(BLOCK)
+            .zip(from.par_chunks(BLOCK))
+            .for_each(|(to, from)| to.copy_from_slice(from));
         std::hint::black_box(&mut to);
     })
 }
@@ -88,8 +91,9 @@ fn tracked() -> Model {
 fn state(name: String, [width, height]: [usize; 2], sunny: bool) -> Case {
     let places = width * height;
     let mut p = vec![0.9f64; 3 * places];
-    let light: Vec<f32> =
-        (0..3 * places).map(|i| if sunny && i % 256 == 99 { 1e9 } else { 10f32.powf(1.0 + 4.0 * noise(i)) }).collect();
+    let light: Vec<f32> = (0..3 * places)
+        .map(|i| if sunny && i % 256 == 99 { 1e9 } else { 10f32.powf(1.0 + 4.0 * noise(i)) })
+        .collect();
     let forms = pigments().map(|pigment| FirstOrderForm::new(&pigment, FRAME));
     let work = move || {
         p.par_chunks_mut(3 * width).zip(light.par_chunks(3 * width)).for_each(|(p, light)| {
@@ -117,17 +121,24 @@ fn look(name: String, vision: Vision, planes: Planes, bytes: usize) -> Case {
 
 fn rgb(name: String, [width, height]: [usize; 2]) -> Case {
     let places = width * height;
-    let samples = (0..3 * places).map(|i| f16::from_f32(10f32.powf(3.0 * noise(i) - 1.0))).collect();
+    let samples =
+        (0..3 * places).map(|i| f16::from_f32(10f32.powf(3.0 * noise(i) - 1.0))).collect();
     let planes = Planes { width, height, count: 3, samples: Samples::Half(samples) };
     let vision = Vision::of_rgb(Observer::standard(), &Primaries::REC709, Nits(100.0));
-    look(name, vision.unwrap_or_else(|| unreachable!("Rec. 709 has a gamut")), planes, places * (6 + 6 + 48))
+    look(
+        name,
+        vision.unwrap_or_else(|| unreachable!("Rec. 709 has a gamut")),
+        planes,
+        places * (6 + 6 + 48),
+    )
 }
 
 fn spectral(name: String, [width, height]: [usize; 2]) -> Case {
     let (places, count) = (width * height, 31);
     let samples = (0..count * places).map(|i| 0.1 * noise(i)).collect();
     let planes = Planes { width, height, count, samples: Samples::Float(samples) };
-    let bands = Bands::uniform(395.0, 705.0, count).unwrap_or_else(|| unreachable!("31 bands of 10 nm"));
+    let bands =
+        Bands::uniform(395.0, 705.0, count).unwrap_or_else(|| unreachable!("31 bands of 10 nm"));
     let vision = Vision::of_held_bands(Observer::standard(), &bands);
     look(name, vision, planes, places * (count * 4 + 12 + 48))
 }
@@ -142,10 +153,12 @@ fn display(name: String, [width, height]: [usize; 2]) -> Case {
     let map = display.follow(None, &survey(&vision, &planes, 24.0), FRAME);
     let mut bytes = vec![0u8; 3 * places];
     let work = move || {
-        bytes.par_chunks_mut(3 * width).zip(light.par_chunks(3 * width)).for_each(|(bytes, light)| {
-            let [r, g, b] = [0, 1, 2].map(|i| &light[i * width..][..width]);
-            display.encode_row(&map, [r, g, b], 1.0, bytes);
-        });
+        bytes.par_chunks_mut(3 * width).zip(light.par_chunks(3 * width)).for_each(
+            |(bytes, light)| {
+                let [r, g, b] = [0, 1, 2].map(|i| &light[i * width..][..width]);
+                display.encode_row(&map, [r, g, b], 1.0, bytes);
+            },
+        );
     };
     Case::new(name, places * (12 + 3), work)
 }

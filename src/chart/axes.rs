@@ -24,20 +24,22 @@ impl Axis<'_> {
 
     /// The labelled values with their labels.
     fn ticks(&self) -> Vec<(f64, String)> {
-        let (from, to) = if self.logarithmic { (self.from.log10(), self.to.log10()) } else { (self.from, self.to) };
+        let (from, to) = if self.logarithmic {
+            (self.from.log10(), self.to.log10())
+        } else {
+            (self.from, self.to)
+        };
         let first = (from / self.every - 1e-9).ceil() as i64;
         let last = (to / self.every + 1e-9).floor() as i64;
         let values = (first..=last).map(|i| i as f64 * self.every);
         values
-            .map(
-                |v| {
-                    if self.logarithmic {
-                        (10f64.powf(v), power(v))
-                    } else {
-                        (v, format!("{}", (v * 1e9).round() / 1e9))
-                    }
-                },
-            )
+            .map(|v| {
+                if self.logarithmic {
+                    (10f64.powf(v), power(v))
+                } else {
+                    (v, format!("{}", (v * 1e9).round() / 1e9))
+                }
+            })
             .collect()
     }
 }
@@ -76,7 +78,10 @@ const LABEL_TYPE: u32 = 16;
 impl Panel<'_> {
     /// Where a pair of values lies on the sheet.
     pub fn at(&self, x: f64, y: f64) -> Point {
-        (self.left + self.width * self.x.fraction(x), self.top + self.height * (1.0 - self.y.fraction(y)))
+        (
+            self.left + self.width * self.x.fraction(x),
+            self.top + self.height * (1.0 - self.y.fraction(y)),
+        )
     }
 
     pub fn right(&self) -> f64 {
@@ -102,11 +107,23 @@ impl Panel<'_> {
             sheet.line((self.left - 5.0, y), (self.left, y), BLACK, 1.0, "");
             sheet.text((self.left - 8.0, y + 5.0), &label, TICK_TYPE, Anchor::End, BLACK);
         }
-        let corners = [(self.left, self.top), (right, self.top), (right, bottom), (self.left, bottom)];
+        let corners =
+            [(self.left, self.top), (right, self.top), (right, bottom), (self.left, bottom)];
         for i in 0..4 {
             sheet.line(corners[i], corners[(i + 1) % 4], BLACK, 1.0, "");
         }
-        sheet.text((0.5 * (self.left + right), bottom + 42.0), self.x.label, LABEL_TYPE, Anchor::Middle, BLACK);
-        sheet.upward((self.left - 50.0, 0.5 * (self.top + bottom)), self.y.label, LABEL_TYPE, BLACK);
+        sheet.text(
+            (0.5 * (self.left + right), bottom + 42.0),
+            self.x.label,
+            LABEL_TYPE,
+            Anchor::Middle,
+            BLACK,
+        );
+        sheet.upward(
+            (self.left - 50.0, 0.5 * (self.top + bottom)),
+            self.y.label,
+            LABEL_TYPE,
+            BLACK,
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! CIEDE2000, the difference of two colours as seen (CIE 142-2001; Sharma, Wu & Dalal 2005), of sRGB pictures.
+//! CIEDE2000, the difference of two colours as seen (CIE 142-2001; Sharma, Wu & Dalal 2005), of
+//! sRGB pictures.
 
 use crate::colour::{apply, rgb_to_xyz};
 use crate::light::Primaries;
@@ -11,8 +12,13 @@ pub(super) fn lab(srgb: [u8; 3]) -> [f64; 3] {
     });
     let to_xyz = rgb_to_xyz(&Primaries::REC709).unwrap_or(crate::colour::IDENTITY);
     let (xyz, white) = (apply(&to_xyz, linear), apply(&to_xyz, [1.0; 3]));
-    let f =
-        |t: f64| if t > (6.0f64 / 29.0).powi(3) { t.cbrt() } else { t * (29.0f64 / 6.0).powi(2) / 3.0 + 4.0 / 29.0 };
+    let f = |t: f64| {
+        if t > (6.0f64 / 29.0).powi(3) {
+            t.cbrt()
+        } else {
+            t * (29.0f64 / 6.0).powi(2) / 3.0 + 4.0 / 29.0
+        }
+    };
     let [x, y, z] = [0, 1, 2].map(|i| f(xyz[i] / white[i]));
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
@@ -23,7 +29,11 @@ pub(super) fn ciede2000(a: [f64; 3], b: [f64; 3]) -> f64 {
     let g = 0.5 * (1.0 - seventh(mean_chroma));
     let polar = |[l, a, b]: [f64; 3]| {
         let a = a * (1.0 + g);
-        (l, a.hypot(b), if a == 0.0 && b == 0.0 { 0.0 } else { b.atan2(a).to_degrees().rem_euclid(360.0) })
+        (
+            l,
+            a.hypot(b),
+            if a == 0.0 && b == 0.0 { 0.0 } else { b.atan2(a).to_degrees().rem_euclid(360.0) },
+        )
     };
     let ((l1, c1, h1), (l2, c2, h2)) = (polar(a), polar(b));
     let colourless = c1 * c2 == 0.0;
@@ -40,7 +50,8 @@ pub(super) fn ciede2000(a: [f64; 3], b: [f64; 3]) -> f64 {
     let away = (lightness - 50.0).powi(2);
     let of_l = (l2 - l1) / (1.0 + 0.015 * away / (20.0 + away).sqrt());
     let of_c = (c2 - c1) / (1.0 + 0.045 * chroma);
-    let of_h = 2.0 * (c1 * c2).sqrt() * (turn / 2.0).to_radians().sin() / (1.0 + 0.015 * chroma * t);
+    let of_h =
+        2.0 * (c1 * c2).sqrt() * (turn / 2.0).to_radians().sin() / (1.0 + 0.015 * chroma * t);
     let rotation = 60.0 * (-((hue - 275.0) / 25.0).powi(2)).exp();
     let mixed = -rotation.to_radians().sin() * 2.0 * seventh(chroma);
     (of_l * of_l + of_c * of_c + of_h * of_h + mixed * of_c * of_h).max(0.0).sqrt()

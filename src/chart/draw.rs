@@ -1,7 +1,8 @@
 //! Ink on a sheet: panels with axes, marks, lines and words, written as SVG and as PNG by `kuva`.
 //!
-//! `kuva` lays out one kind of plot at a time; a chart with letters on a rail or a map with ticks of theory is none
-//! of its kinds. So this module places its primitives itself, and uses its SVG and PNG writers and its typeface.
+//! `kuva` lays out one kind of plot at a time; a chart with letters on a rail or a map with ticks
+//! of theory is none of its kinds. So this module places its primitives itself, and uses its SVG
+//! and PNG writers and its typeface.
 
 use crate::error::{Error, Result};
 use kuva::backend::raster::RasterBackend;
@@ -66,7 +67,14 @@ impl Sheet {
         self.set(at, words, size, (Anchor::Middle, Some(-90.0), false), ink);
     }
 
-    fn set(&mut self, at: Point, words: &str, size: u32, style: (Anchor, Option<f64>, bool), ink: Ink) {
+    fn set(
+        &mut self,
+        at: Point,
+        words: &str,
+        size: u32,
+        style: (Anchor, Option<f64>, bool),
+        ink: Ink,
+    ) {
         let (anchor, rotate, bold) = style;
         let anchor = match anchor {
             Anchor::Start => TextAnchor::Start,
@@ -107,8 +115,8 @@ impl Sheet {
         })));
     }
 
-    /// A line through many points, in dashes of `on` units that are `off` units apart. (The PNG writer draws the
-    /// dashes of straight lines only.)
+    /// A line through many points, in dashes of `on` units that are `off` units apart. (The PNG
+    /// writer draws the dashes of straight lines only.)
     pub fn dashed(&mut self, points: &[Point], ink: Ink, width: f64, on: f64, off: f64) {
         let (mut walked, mut dash) = (0.0, Vec::new());
         for pair in points.windows(2) {
@@ -139,24 +147,41 @@ impl Sheet {
     /// A filled rectangle from its top left corner.
     pub fn block(&mut self, at: Point, width: f64, height: f64, ink: Ink) {
         let (x, y, fill) = (at.0, at.1, ink.into());
-        self.0.add(Primitive::Rect { x, y, width, height, fill, stroke: None, stroke_width: None, opacity: None });
+        self.0.add(Primitive::Rect {
+            x,
+            y,
+            width,
+            height,
+            fill,
+            stroke: None,
+            stroke_width: None,
+            opacity: None,
+        });
     }
 
     /// A mark of radius `r`.
     pub fn mark(&mut self, at: Point, marker: Marker, r: f64, ink: Ink) {
         let corners = |count: usize, radius: &dyn Fn(usize) -> f64, turn: f64| -> Vec<Point> {
             let angle = |i: usize| turn + std::f64::consts::TAU * i as f64 / count as f64;
-            (0..count).map(|i| (at.0 + radius(i) * angle(i).sin(), at.1 - radius(i) * angle(i).cos())).collect()
+            (0..count)
+                .map(|i| (at.0 + radius(i) * angle(i).sin(), at.1 - radius(i) * angle(i).cos()))
+                .collect()
         };
         let white = Ink(255, 255, 255);
         match marker {
             Marker::Disc => self.circle(at, r, Some(ink), white, 0.6),
             Marker::Ring => self.circle(at, r, None, ink, 2.0),
-            Marker::Square => self.polygon(&corners(4, &|_| 1.25 * r, std::f64::consts::FRAC_PI_4), ink, white),
+            Marker::Square => {
+                self.polygon(&corners(4, &|_| 1.25 * r, std::f64::consts::FRAC_PI_4), ink, white)
+            }
             Marker::Diamond => self.polygon(&corners(4, &|_| 1.3 * r, 0.0), ink, white),
             Marker::Triangle => self.polygon(&corners(3, &|_| 1.35 * r, 0.0), ink, white),
             Marker::Star => {
-                self.polygon(&corners(10, &|i| if i % 2 == 0 { 1.9 * r } else { 0.8 * r }, 0.0), ink, white);
+                self.polygon(
+                    &corners(10, &|i| if i % 2 == 0 { 1.9 * r } else { 0.8 * r }, 0.0),
+                    ink,
+                    white,
+                );
             }
             Marker::Cross => {
                 self.line((at.0 - r, at.1 - r), (at.0 + r, at.1 + r), ink, 2.2, "");
@@ -193,6 +218,8 @@ impl Sheet {
 }
 
 fn outline(points: &[Point]) -> String {
-    let step = |(i, p): (usize, &Point)| format!("{}{:.2},{:.2} ", if i == 0 { 'M' } else { 'L' }, p.0, p.1);
+    let step = |(i, p): (usize, &Point)| {
+        format!("{}{:.2},{:.2} ", if i == 0 { 'M' } else { 'L' }, p.0, p.1)
+    };
     points.iter().enumerate().map(step).collect()
 }

@@ -21,7 +21,13 @@ const PAPERS_P: [(f64, Ink); 2] = [(0.06, VERMILION), (0.09, BLUE)];
 pub(super) fn write(out_dir: &Path, progress: Progress) -> Result<()> {
     progress("fundamentals: the paper's Figs. 1 to 3");
     let mut sheet = Sheet::new(1200.0, 1025.0);
-    sheet.bold((600.0, 32.0), "The paper's Figs. 1 to 3, and what is used here", 22, Anchor::Middle, BLACK);
+    sheet.bold(
+        (600.0, 32.0),
+        "The paper's Figs. 1 to 3, and what is used here",
+        22,
+        Anchor::Middle,
+        BLACK,
+    );
     weight(&mut sheet);
     steepness(&mut sheet);
     whole(&mut sheet);
@@ -47,7 +53,8 @@ fn legend(sheet: &mut Sheet, at: (f64, f64), ink: Ink, width: f64, dashes: &str,
     sheet.text((at.0 + 42.0, at.1), words, 15, Anchor::Start, BLACK);
 }
 
-/// Fig. 1: eta = 10^(-p r^2) for the paper's two constants, and the pupil's mean that is the default.
+/// Fig. 1: eta = 10^(-p r^2) for the paper's two constants, and the pupil's mean that is the
+/// default.
 fn weight(sheet: &mut Sheet) {
     let panel = panel(
         95.0,
@@ -63,7 +70,8 @@ fn weight(sheet: &mut Sheet) {
     sheet.line((middle, panel.top), (middle, panel.bottom()), BLACK, 1.0, "");
     for (p, ink) in PAPERS_P {
         let at_point: Vec<_> = steps().map(|r| panel.at(r, eta(paper, p, 8.0, r.abs()))).collect();
-        let mean: Vec<_> = steps().map(|r| panel.at(r, eta(Reading::Pupil, p, 2.0 * r.abs(), 0.0))).collect();
+        let mean: Vec<_> =
+            steps().map(|r| panel.at(r, eta(Reading::Pupil, p, 2.0 * r.abs(), 0.0))).collect();
         sheet.polyline(&at_point, ink, 2.4, "");
         sheet.dashed(&mean, ink, 1.8, 9.0, 6.0);
     }
@@ -72,12 +80,24 @@ fn weight(sheet: &mut Sheet) {
         sheet.text((x + 10.0, y), &format!("p = {p} mm⁻²"), 15, Anchor::Start, ink);
     }
     legend(sheet, (95.0, panel.top - 10.0), GREY, 2.4, "", "a ray at r (paper)");
-    legend(sheet, (285.0, panel.top - 10.0), GREY, 1.8, "9 6", "mean of a pupil of radius r (default)");
+    legend(
+        sheet,
+        (285.0, panel.top - 10.0),
+        GREY,
+        1.8,
+        "9 6",
+        "mean of a pupil of radius r (default)",
+    );
 }
 
 /// Fig. 2: p(lambda) as measured, and corrected for the lens.
 fn steepness(sheet: &mut Sheet) {
-    let panel = panel(695.0, 115.0, linear(400.0, 700.0, 50.0, "wavelength (nm)"), linear(0.0, 0.14, 0.02, "p (mm⁻²)"));
+    let panel = panel(
+        695.0,
+        115.0,
+        linear(400.0, 700.0, 50.0, "wavelength (nm)"),
+        linear(0.0, 0.14, 0.02, "p (mm⁻²)"),
+    );
     panel.frame(sheet);
     title(sheet, &panel, "Fig. 2: how steep, by wavelength");
     for (p, ink) in PAPERS_P {

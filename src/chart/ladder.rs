@@ -1,7 +1,9 @@
-//! `ladder`: what each rung of modelling costs and how far it errs, scene by scene, and which one `auto` chose.
+//! `ladder`: what each rung of modelling costs and how far it errs, scene by scene, and which one
+//! `auto` chose.
 //!
-//! The truth is the rung `full`: f64, every band, catches by their definition, sixteen sub-steps, at every eighth place
-//! in both directions. Costs are for light in memory to percept in memory, on the pool of the caller.
+//! The truth is the rung `full`: f64, every band, catches by their definition, sixteen sub-steps,
+//! at every eighth place in both directions. Costs are for light in memory to percept in memory, on
+//! the pool of the caller.
 
 use super::axes::{Axis, Panel};
 use super::difference::{ciede2000, lab};
@@ -42,7 +44,8 @@ struct Rung {
     chosen: bool,
 }
 
-/// What was seen at the followed places: fractions after each frame, and at the end catches and colours.
+/// What was seen at the followed places: fractions after each frame, and at the end catches and
+/// colours.
 struct Seen {
     p: Vec<[f64; 3]>,
     catch: Vec<[f64; 3]>,
@@ -66,8 +69,7 @@ pub(super) fn write(out_dir: &Path, progress: Progress) -> Result<()> {
         let rungs = climb(&scene);
         found.push((scene, rungs));
     }
-    let header =
-        "scene,rung,ms_per_megapixel_frame,max_error_p,max_error_catch,delta_e_2000_p95,delta_e_2000_max,bound,chosen";
+    let header = "scene,rung,ms_per_megapixel_frame,max_error_p,max_error_catch,delta_e_2000_p95,delta_e_2000_max,bound,chosen";
     let row = |scene: &Scene, r: &Rung| {
         let bound = r.bound.map_or(String::new(), |bound| format!("{bound:.3e}"));
         let ([p, catch], [most, max]) = (r.errors, r.differences);
@@ -76,7 +78,8 @@ pub(super) fn write(out_dir: &Path, progress: Progress) -> Result<()> {
             scene.name, r.name, r.cost_ms, r.chosen
         )
     };
-    let rows = found.iter().flat_map(|(scene, rungs)| rungs.iter().map(move |rung| row(scene, rung)));
+    let rows =
+        found.iter().flat_map(|(scene, rungs)| rungs.iter().map(move |rung| row(scene, rung)));
     write_csv(out_dir, "ladder", header, rows)?;
     draw(&found).write(out_dir, "ladder")
 }
@@ -87,11 +90,18 @@ const ROUNDS: usize = 7;
 /// Every rung on one scene, the truth last but one, what `auto` did last.
 fn climb(scene: &Scene) -> Vec<Rung> {
     let truth = full(scene);
-    let asked = [(Model::Unbleached, None), (Model::Steady, None), (tracked(), None), (tracked(), Some(BUDGET))];
+    let asked = [
+        (Model::Unbleached, None),
+        (Model::Steady, None),
+        (tracked(), None),
+        (tracked(), Some(BUDGET)),
+    ];
     let [none, steady, followed, (auto, plan)] = in_turns(scene, asked);
     let chosen = plan.name(tracked());
     let mut rungs = Vec::new();
-    for (model, (ours, asked)) in [(Model::Unbleached, none), (Model::Steady, steady), (tracked(), followed)] {
+    for (model, (ours, asked)) in
+        [(Model::Unbleached, none), (Model::Steady, steady), (tracked(), followed)]
+    {
         let bound = match model {
             Model::Unbleached => plan.bound_of_none(&pigments()),
             model => asked.bound(model, &pigments()),
@@ -131,7 +141,11 @@ fn rung(name: &'static str, ours: &Seen, truth: &Seen, bound: Option<f64>, chose
         cost_ms: ours.cost_ms,
         errors: [
             worst(&ours.p, &truth.p, |a, b| (a - b).abs()),
-            worst(&ours.catch, &truth.catch, |a, b| if b > 0.0 { (a / b - 1.0).abs() } else { 0.0 }),
+            worst(
+                &ours.catch,
+                &truth.catch,
+                |a, b| if b > 0.0 { (a / b - 1.0).abs() } else { 0.0 },
+            ),
         ],
         differences: [apart[apart.len() * 95 / 100], apart[apart.len() - 1]],
         bound,
@@ -148,9 +162,11 @@ fn followed(planes: &Planes) -> Vec<[usize; 2]> {
 fn seen(scene: &Scene, model: Model, plan: Plan) -> (Seen, Plan) {
     let first = &scene.pictures[0];
     let retina = Retina::rested(first.width, first.height);
-    let mut viewer = Viewer::new(scene.vision.clone(), pigments(), model, retina, PIXELS_PER_DEGREE);
+    let mut viewer =
+        Viewer::new(scene.vision.clone(), pigments(), model, retina, PIXELS_PER_DEGREE);
     viewer.plan = plan;
-    let surveys: Vec<_> = scene.pictures.iter().map(|p| survey(&scene.vision, p, PIXELS_PER_DEGREE)).collect();
+    let surveys: Vec<_> =
+        scene.pictures.iter().map(|p| survey(&scene.vision, p, PIXELS_PER_DEGREE)).collect();
     let (mut percept, mut costs, mut p) = (None, Vec::new(), Vec::new());
     for &(picture, dt) in &scene.frames {
         let planes = &scene.pictures[picture];
@@ -163,9 +179,14 @@ fn seen(scene: &Scene, model: Model, plan: Plan) -> (Seen, Plan) {
     let last = &scene.pictures[scene.frames[scene.frames.len() - 1].0];
     let places = followed(last);
     let now = &p[p.len() - places.len()..];
-    let catch = places.iter().zip(now).map(|(at, p)| scene.vision.catch(&scene.vision.moments(last, at[0], at[1]), *p));
+    let catch = places
+        .iter()
+        .zip(now)
+        .map(|(at, p)| scene.vision.catch(&scene.vision.moments(last, at[0], at[1]), *p));
     let catch: Vec<[f64; 3]> = catch.collect();
-    let rgb = |percept: &Planes| places.iter().map(|at| [0, 1, 2].map(|i| percept.at(at[0], at[1], i))).collect();
+    let rgb = |percept: &Planes| {
+        places.iter().map(|at| [0, 1, 2].map(|i| percept.at(at[0], at[1], i))).collect()
+    };
     let colours = shown(scene, &percept.as_ref().map_or(Vec::new(), rgb));
     costs.sort_by(f64::total_cmp);
     let cost_ms = costs[costs.len() / 2] / megapixels(last);
@@ -176,9 +197,15 @@ fn seen(scene: &Scene, model: Model, plan: Plan) -> (Seen, Plan) {
 fn full(scene: &Scene) -> Seen {
     let places = followed(&scene.pictures[0]);
     let first = &scene.pictures[0];
-    let mut viewer =
-        Viewer::new(scene.vision.clone(), pigments(), Model::Unbleached, Retina::rested(1, 1), PIXELS_PER_DEGREE);
-    let surveys: Vec<_> = scene.pictures.iter().map(|p| survey(&scene.vision, p, PIXELS_PER_DEGREE)).collect();
+    let mut viewer = Viewer::new(
+        scene.vision.clone(),
+        pigments(),
+        Model::Unbleached,
+        Retina::rested(1, 1),
+        PIXELS_PER_DEGREE,
+    );
+    let surveys: Vec<_> =
+        scene.pictures.iter().map(|p| survey(&scene.vision, p, PIXELS_PER_DEGREE)).collect();
     let (mut now, mut p) = (vec![[1.0; 3]; places.len()], Vec::new());
     let begun = Instant::now();
     for &(picture, dt) in &scene.frames {
@@ -186,7 +213,11 @@ fn full(scene: &Scene) -> Seen {
         let adapting = viewer.adapting(planes, &surveys[picture], gaze(planes));
         let pupil = viewer.pupil.follow(adapting, dt);
         for (at, p) in places.iter().zip(&mut now) {
-            let td = scene.vision.observer.illuminance(&radiance(scene, planes, *at), pupil, Millimetres(0.0));
+            let td = scene.vision.observer.illuminance(
+                &radiance(scene, planes, *at),
+                pupil,
+                Millimetres(0.0),
+            );
             *p = [0, 1, 2].map(|k| step::advance(&pigments()[k], p[k], td[k], dt, 16));
         }
         p.extend_from_slice(&now);
@@ -194,10 +225,14 @@ fn full(scene: &Scene) -> Seen {
     let stepping = begun.elapsed().as_secs_f64() / scene.frames.len() as f64;
     let last = &scene.pictures[scene.frames[scene.frames.len() - 1].0];
     let begun = Instant::now();
-    let catch: Vec<[f64; 3]> =
-        places.iter().zip(&now).map(|(at, p)| scene.vision.observer.catch(&radiance(scene, last, *at), *p)).collect();
+    let catch: Vec<[f64; 3]> = places
+        .iter()
+        .zip(&now)
+        .map(|(at, p)| scene.vision.observer.catch(&radiance(scene, last, *at), *p))
+        .collect();
     let catching = begun.elapsed().as_secs_f64();
-    let rgb: Vec<[f64; 3]> = catch.iter().map(|catch| colour::apply(&scene.vision.lms_to_seen, *catch)).collect();
+    let rgb: Vec<[f64; 3]> =
+        catch.iter().map(|catch| colour::apply(&scene.vision.lms_to_seen, *catch)).collect();
     let share = places.len() as f64 / (first.width * first.height) as f64;
     let cost_ms = 1e3 * (stepping + catching) / share / megapixels(first);
     Seen { p, catch, colours: shown(scene, &rgb), cost_ms }
@@ -225,7 +260,8 @@ fn shown(scene: &Scene, percepts: &[[f64; 3]]) -> Vec<[u8; 3]> {
     let last = &scene.pictures[scene.frames[scene.frames.len() - 1].0];
     let display = Display::default();
     let map = display.follow(None, &survey(&scene.vision, last, PIXELS_PER_DEGREE), Seconds(1.0));
-    let srgb: Vec<[f64; 3]> = percepts.iter().map(|rgb| colour::apply(&scene.vision.seen_to_srgb, *rgb)).collect();
+    let srgb: Vec<[f64; 3]> =
+        percepts.iter().map(|rgb| colour::apply(&scene.vision.seen_to_srgb, *rgb)).collect();
     let planes: [Vec<f32>; 3] = [0, 1, 2].map(|i| srgb.iter().map(|rgb| rgb[i] as f32).collect());
     let mut bytes = vec![0; 3 * srgb.len()];
     display.encode_row(&map, planes.each_ref().map(Vec::as_slice), 1.0, &mut bytes);
@@ -252,9 +288,20 @@ fn draw(found: &[(Scene, Vec<Rung>)]) -> Sheet {
     sheet.bold((780.0, 32.0), title, 22, Anchor::Middle, BLACK);
     for (i, (scene, rungs)) in found.iter().enumerate() {
         let (left, top) = (95.0 + 510.0 * (i % 3) as f64, 95.0 + 455.0 * (i / 3) as f64);
-        let x = Axis { from: 1.0, to: 1e6, logarithmic: true, every: 1.0, label: "ms for a megapixel and frame" };
-        let y =
-            Axis { from: FLOOR, to: 1.0, logarithmic: true, every: 1.0, label: "largest error, of p or of a catch" };
+        let x = Axis {
+            from: 1.0,
+            to: 1e6,
+            logarithmic: true,
+            every: 1.0,
+            label: "ms for a megapixel and frame",
+        };
+        let y = Axis {
+            from: FLOOR,
+            to: 1.0,
+            logarithmic: true,
+            every: 1.0,
+            label: "largest error, of p or of a catch",
+        };
         let panel = Panel { left, top, width: 380.0, height: 320.0, x, y };
         panel.frame(&mut sheet);
         sheet.bold((left, top - 12.0), scene.title, 17, Anchor::Start, BLACK);
@@ -294,7 +341,13 @@ fn legend(sheet: &mut Sheet, (x, y): (f64, f64)) {
     }
     let y = y + 34.0 * words.len() as f64;
     sheet.line((x - 10.0, y), (x + 10.0, y), BLACK, 2.4, "");
-    sheet.text((x + 24.0, y + 5.0), "the most it can err, where that is promised", 16, Anchor::Start, BLACK);
+    sheet.text(
+        (x + 24.0, y + 5.0),
+        "the most it can err, where that is promised",
+        16,
+        Anchor::Start,
+        BLACK,
+    );
     sheet.line((x - 14.0, y + 34.0), (x + 14.0, y + 34.0), VERMILION, 1.2, "6 4");
     sheet.text((x + 24.0, y + 39.0), "the budget, 10⁻³", 16, Anchor::Start, BLACK);
 }

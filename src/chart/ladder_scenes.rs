@@ -23,7 +23,8 @@ const HEIGHT: usize = 180;
 const FILM: f64 = 1.0 / 24.0;
 
 pub(super) fn scenes() -> Result<Vec<Scene>> {
-    let dark_then_lamps = (0..72).map(|i| (usize::from((24..36).contains(&i)), Seconds(FILM))).collect();
+    let dark_then_lamps =
+        (0..72).map(|i| (usize::from((24..36).contains(&i)), Seconds(FILM))).collect();
     let day = (0..36).map(|i| (usize::from((12..24).contains(&i)), Seconds(1200.0))).collect();
     Ok(vec![
         rgb("indoor", "indoor, 2 to 4 cd/m², 24 fps", &[(3.0, 0.0)], still(48, FILM)),
@@ -38,8 +39,14 @@ fn still(count: usize, interval: f64) -> Vec<(usize, Seconds)> {
     vec![(0, Seconds(interval)); count]
 }
 
-/// Pictures that vary smoothly by a third about a level, with two discs of another luminance; cd/m2.
-fn rgb(name: &'static str, title: &'static str, levels: &[(f64, f64)], frames: Vec<(usize, Seconds)>) -> Scene {
+/// Pictures that vary smoothly by a third about a level, with two discs of another luminance;
+/// cd/m2.
+fn rgb(
+    name: &'static str,
+    title: &'static str,
+    levels: &[(f64, f64)],
+    frames: Vec<(usize, Seconds)>,
+) -> Scene {
     let white = Nits(1.0);
     let vision = Vision::of_rgb(Observer::standard(), &Primaries::REC709, white);
     let vision = vision.unwrap_or_else(|| unreachable!("the primaries of Rec. 709 span a gamut"));
@@ -54,7 +61,8 @@ fn picture(level: f64, disc: f64) -> Planes {
             for x in 0..WIDTH {
                 let (u, v) = (x as f64 / WIDTH as f64, y as f64 / HEIGHT as f64);
                 let wave = (7.0 * u + 2.0 * plane as f64).sin() * (5.0 * v - plane as f64).cos();
-                let near = [0.35, 0.65].iter().any(|at| ((u - at) * 16.0).hypot((v - 0.55) * 9.0) < 0.5);
+                let near =
+                    [0.35, 0.65].iter().any(|at| ((u - at) * 16.0).hypot((v - 0.55) * 9.0) < 0.5);
                 let light = if near && disc > 0.0 { disc } else { level * (1.0 + wave / 3.0) };
                 samples[(y * 3 + plane) * WIDTH + x] = light as f32;
             }
@@ -66,10 +74,13 @@ fn picture(level: f64, disc: f64) -> Planes {
 /// The built-in sunset as its bands, over a minute.
 fn sunset() -> Result<Scene> {
     let footage = Sunset::new(WIDTH, 0.5, 2.5, Ground::Sea);
-    let Kind::Spectral(bands) = &footage.header().kind else { unreachable!("the built-in sunset is spectral") };
+    let Kind::Spectral(bands) = &footage.header().kind else {
+        unreachable!("the built-in sunset is spectral")
+    };
     let planes = footage.read(0, Some(&Projection::identity(bands.len())), None)?.planes;
     let ends: Vec<f64> = (0..40).map(|i| FILM * (60.0 / FILM).powf(f64::from(i) / 39.0)).collect();
-    let frames = (0..40).map(|i| (0, Seconds(ends[i] - if i > 0 { ends[i - 1] } else { 0.0 }))).collect();
+    let frames =
+        (0..40).map(|i| (0, Seconds(ends[i] - if i > 0 { ends[i - 1] } else { 0.0 }))).collect();
     Ok(Scene {
         name: "sunset",
         title: "the built-in sunset, 31 bands, a minute",

@@ -11,8 +11,8 @@ pub(super) fn name() -> String {
     told.unwrap_or_else(|| format!("{} {}", std::env::consts::ARCH, std::env::consts::OS))
 }
 
-/// Runs of which the median is taken. They are spread over the whole measurement, so that another program's burst
-/// falls upon few runs of any one method.
+/// Runs of which the median is taken. They are spread over the whole measurement, so that another
+/// program's burst falls upon few runs of any one method.
 pub(super) const RUNS: usize = 9;
 
 /// A run lasts at least this long, so that the clock's grain does not show.

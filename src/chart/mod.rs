@@ -1,6 +1,8 @@
-//! Charts that the program makes of itself: each writes `<name>.csv`, `.svg` and `.png` into a folder.
+//! Charts that the program makes of itself: each writes `<name>.csv`, `.svg` and `.png` into a
+//! folder.
 //!
-//! A chart is a function and a row of [`CHARTS`]; [`draw`] is the only module that knows how ink is laid.
+//! A chart is a function and a row of [`CHARTS`]; [`draw`] is the only module that knows how ink is
+//! laid.
 
 pub mod axes;
 mod difference;
@@ -41,8 +43,15 @@ pub const CHARTS: &[Chart] = &[
 ];
 
 /// Write a table of `header` and `rows` as `<name>.csv`. No value of ours holds a comma.
-pub fn write_csv(out_dir: &Path, name: &str, header: &str, rows: impl Iterator<Item = String>) -> Result<()> {
+pub fn write_csv(
+    out_dir: &Path,
+    name: &str,
+    header: &str,
+    rows: impl Iterator<Item = String>,
+) -> Result<()> {
     let path = out_dir.join(format!("{name}.csv"));
-    let table = std::iter::once(header.to_owned()).chain(rows).fold(String::new(), |text, row| text + &row + "\n");
+    let table = std::iter::once(header.to_owned())
+        .chain(rows)
+        .fold(String::new(), |text, row| text + &row + "\n");
     std::fs::write(&path, table).map_err(Error::io(&path, "write"))
 }

@@ -1,4 +1,5 @@
-//! Colours and marks that stay apart for every kind of colour vision (Okabe & Ito 2008), also in grey.
+//! Colours and marks that stay apart for every kind of colour vision (Okabe & Ito 2008), also in
+//! grey.
 
 use super::draw::{Ink, Marker};
 

@@ -20,17 +20,30 @@ struct Receptor {
     ink: Ink,
 }
 
-/// Cones: Rushton & Henry 1968 (S: equal photosensitivity per molecule). Rods: Table 1 of Gutierrez et al. 2005 and
-/// Rushton 1972.
+/// Cones: Rushton & Henry 1968 (S: equal photosensitivity per molecule). Rods: Table 1 of Gutierrez
+/// et al. 2005 and Rushton 1972.
 const RECEPTORS: [Receptor; 3] = [
-    Receptor { name: "LM", title: "L and M cones", half_bleach_log: 4.3, tau: 120.0, ink: VERMILION },
+    Receptor {
+        name: "LM",
+        title: "L and M cones",
+        half_bleach_log: 4.3,
+        tau: 120.0,
+        ink: VERMILION,
+    },
     Receptor { name: "S", title: "S cones", half_bleach_log: 5.0, tau: 120.0, ink: BLUE },
     Receptor { name: "rod", title: "rods, scotopic", half_bleach_log: 4.4, tau: 400.0, ink: BLACK },
 ];
 
 /// Lights whose onset is drawn, log10 td, each with its ink.
-const LIGHTS: [(f64, Ink); 7] =
-    [(3.0, PURPLE), (4.0, BLUE), (5.0, SKY), (6.0, GREEN), (7.0, ORANGE), (8.0, VERMILION), (10.0, BLACK)];
+const LIGHTS: [(f64, Ink); 7] = [
+    (3.0, PURPLE),
+    (4.0, BLUE),
+    (5.0, SKY),
+    (6.0, GREEN),
+    (7.0, ORANGE),
+    (8.0, VERMILION),
+    (10.0, BLACK),
+];
 
 const EARLIEST_S: f64 = 1e-5;
 const LONGEST_S: f64 = 3000.0;
@@ -54,7 +67,13 @@ pub(super) fn write(out_dir: &Path, progress: Progress) -> Result<()> {
     progress("pigment: onset and recovery of cones and rods");
     write_csv(out_dir, "pigment", "receptor,light_td,time_s,bleached,steady", rows().into_iter())?;
     let mut sheet = Sheet::new(1200.0, 1010.0);
-    sheet.bold((600.0, 32.0), "Bleaching and recovery of photopigment, first-order law", 22, Anchor::Middle, BLACK);
+    sheet.bold(
+        (600.0, 32.0),
+        "Bleaching and recovery of photopigment, first-order law",
+        22,
+        Anchor::Middle,
+        BLACK,
+    );
     for (i, receptor) in RECEPTORS.iter().enumerate() {
         onset(&mut sheet, receptor, (95.0 + 580.0 * (i % 2) as f64, 95.0 + 465.0 * (i / 2) as f64));
     }
@@ -72,7 +91,8 @@ fn rows() -> Vec<String> {
         };
         for (log_light, _) in LIGHTS {
             let light = 10f64.powf(log_light);
-            times(EARLIEST_S).for_each(|time| row(light, time, receptor.bleached(1.0, light, time)));
+            times(EARLIEST_S)
+                .for_each(|time| row(light, time, receptor.bleached(1.0, light, time)));
         }
         times(1.0).for_each(|time| row(0.0, time, receptor.bleached(0.0, 0.0, time)));
     }
@@ -97,7 +117,8 @@ fn onset(sheet: &mut Sheet, receptor: &Receptor, at: (f64, f64)) {
     );
     for (log_light, ink) in LIGHTS {
         let light = 10f64.powf(log_light);
-        let points: Vec<_> = times(EARLIEST_S).map(|t| panel.at(t, receptor.bleached(1.0, light, t))).collect();
+        let points: Vec<_> =
+            times(EARLIEST_S).map(|t| panel.at(t, receptor.bleached(1.0, light, t))).collect();
         sheet.polyline(&points, ink, 2.2, "");
         let steady = panel.at(LONGEST_S, 1.0 - receptor.kinetics().steady(Trolands(light)));
         sheet.line((steady.0, steady.1), (steady.0 + 12.0, steady.1), ink, 3.0, "");
@@ -124,9 +145,16 @@ fn label_onset(sheet: &mut Sheet, panel: &Panel, receptor: &Receptor, log_light:
 fn recovery(sheet: &mut Sheet, at: (f64, f64)) {
     let panel = panel(at, 1.0, 1.0);
     panel.frame(sheet);
-    sheet.bold((panel.left, panel.top - 12.0), "Recovery in the dark from a full bleach", 17, Anchor::Start, BLACK);
+    sheet.bold(
+        (panel.left, panel.top - 12.0),
+        "Recovery in the dark from a full bleach",
+        17,
+        Anchor::Start,
+        BLACK,
+    );
     for receptor in [&RECEPTORS[0], &RECEPTORS[2]] {
-        let points: Vec<_> = times(1.0).map(|t| panel.at(t, receptor.bleached(0.0, 0.0, t))).collect();
+        let points: Vec<_> =
+            times(1.0).map(|t| panel.at(t, receptor.bleached(0.0, 0.0, t))).collect();
         sheet.polyline(&points, receptor.ink, 2.6, "");
     }
     let after_eight_minutes = panel.at(480.0, RECEPTORS[0].bleached(0.0, 0.0, 480.0));

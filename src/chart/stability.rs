@@ -23,7 +23,9 @@ pub(super) fn measure() -> Vec<Measured> {
     let each = METHODS.iter().map(|method| Measured {
         method,
         order: order(method, truth),
-        stable_to: limit(method, |x| amplification(method, x).abs() > 1.0 + 1e-9 + 10.0 * method.tolerance),
+        stable_to: limit(method, |x| {
+            amplification(method, x).abs() > 1.0 + 1e-9 + 10.0 * method.tolerance
+        }),
         bounded_to: limit(method, |x| leaves_bounds(method, x)),
     });
     each.collect()
@@ -46,7 +48,9 @@ pub(super) fn amplification(method: &Method, x: f64) -> f64 {
 fn leaves_bounds(method: &Method, x: f64) -> bool {
     let slack = 1e-12 + 10.0 * method.tolerance;
     let outside = |p: f64| !(-slack..=1.0 + slack).contains(&p);
-    [0.0, 1.0, 1e9].iter().any(|&s| outside(held(method, x, s, 0.0)) || outside(held(method, x, s, 1.0)))
+    [0.0, 1.0, 1e9]
+        .iter()
+        .any(|&s| outside(held(method, x, s, 0.0)) || outside(held(method, x, s, 1.0)))
 }
 
 /// The x at which `fails` first turns true: a coarse search, then bisection.
@@ -70,7 +74,8 @@ fn limit(method: &Method, fails: impl Fn(f64) -> bool) -> f64 {
 fn smooth(step: impl Fn(f64, Drive, Seconds) -> f64, steps: u32) -> f64 {
     let h = 2.0 / f64::from(steps);
     let [mean, amplitude] = [HALF_BLEACH * (TAU - 1.0), HALF_BLEACH * 0.5 * TAU].map(Trolands);
-    let drive = |n: u32| Drive::Sine { mean, amplitude, phase: 2.0 * h * f64::from(n), turn: 2.0 * h };
+    let drive =
+        |n: u32| Drive::Sine { mean, amplitude, phase: 2.0 * h * f64::from(n), turn: 2.0 * h };
     (0..steps).fold(1.0, |p, n| step(p, drive(n), Seconds(h)))
 }
 
@@ -79,7 +84,8 @@ fn accurate(p: f64, drive: Drive, dt: Seconds) -> f64 {
     Method::named("radau-iia-5").map_or(f64::NAN, |method| (method.step)(&eye(), p, drive, dt))
 }
 
-/// How the error falls as steps are halved: of an adaptive method, that of its formula with the tolerance lifted.
+/// How the error falls as steps are halved: of an adaptive method, that of its formula with the
+/// tolerance lifted.
 fn order(method: &Method, truth: f64) -> f64 {
     let coarse = if method.order > 3 { 48 } else { 96 };
     let step = |p, drive, dt| match method.tolerance {

@@ -1,4 +1,5 @@
-//! `stability`: every method against h lambda, coloured by the error of one step, limits measured and in theory.
+//! `stability`: every method against h lambda, coloured by the error of one step, limits measured
+//! and in theory.
 
 use super::axes::{Axis, Panel, power};
 use super::draw::{Anchor, Ink, Marker, Sheet};
@@ -11,8 +12,7 @@ use std::path::Path;
 pub(super) fn write(out_dir: &Path, progress: Progress) -> Result<()> {
     progress("stability: limits and orders");
     let measured = measure();
-    let header =
-        "method,order_theory,order_measured,stable_to_theory,stable_to_measured,bounded_to_theory,bounded_to_measured";
+    let header = "method,order_theory,order_measured,stable_to_theory,stable_to_measured,bounded_to_theory,bounded_to_measured";
     write_csv(out_dir, "stability", header, measured.iter().map(row))?;
     draw(&measured).write(out_dir, "stability")
 }
@@ -24,11 +24,13 @@ fn row(of: &Measured) -> String {
     } else {
         format!("{},{:.3}", of.method.order, of.order)
     };
-    let limits = [of.method.stable_to, of.stable_to, of.method.bounded_to, of.bounded_to].map(number);
+    let limits =
+        [of.method.stable_to, of.stable_to, of.method.bounded_to, of.bounded_to].map(number);
     format!("{},{orders},{}", of.method.name, limits.join(","))
 }
 
-/// Errors at which the colour changes, and the colours from less to more (viridis, reversed to end dark).
+/// Errors at which the colour changes, and the colours from less to more (viridis, reversed to end
+/// dark).
 const STEPS: [f64; 5] = [1e-8, 1e-4, 1e-3, 1e-2, 1e-1];
 const SHADES: [Ink; 6] = [
     Ink(0xf4, 0xf8, 0xf2),
@@ -39,7 +41,8 @@ const SHADES: [Ink; 6] = [
     Ink(0x2c, 0x3b, 0x6e),
 ];
 
-/// The colour of a step that leaves `amplification` of the distance from rest where e^-x should remain.
+/// The colour of a step that leaves `amplification` of the distance from rest where e^-x should
+/// remain.
 fn shade(amplification: f64, x: f64) -> Ink {
     let error = (amplification - (-x).exp()).abs();
     if amplification.abs() > 1.0 + 1e-9 || amplification.is_nan() {
@@ -54,7 +57,13 @@ const ROW: f64 = 34.0;
 fn draw(measured: &[Measured]) -> Sheet {
     let height = ROW * measured.len() as f64;
     let mut sheet = Sheet::new(1200.0, height + 330.0);
-    sheet.bold((600.0, 34.0), "Where methods fail: one step of h λ under held light", 24, Anchor::Middle, BLACK);
+    sheet.bold(
+        (600.0, 34.0),
+        "Where methods fail: one step of h λ under held light",
+        24,
+        Anchor::Middle,
+        BLACK,
+    );
     let label = "h λ = h (1 + I/I0)/τ";
     let x = Axis { from: 1e-2, to: 1e3, logarithmic: true, every: 1.0, label };
     let y = Axis { from: 0.0, to: 1.0, logarithmic: false, every: 2.0, label: "" };
@@ -81,7 +90,9 @@ fn draw_row(sheet: &mut Sheet, panel: &Panel, of: &Measured, top: f64) {
     }
     let (middle, dark) = (top + 0.5 * ROW, BLACK);
     sheet.text((panel.left - 12.0, middle + 6.0), of.method.name, 16, Anchor::End, dark);
-    for (theory, found) in [(of.method.bounded_to, of.bounded_to), (of.method.stable_to, of.stable_to)] {
+    for (theory, found) in
+        [(of.method.bounded_to, of.bounded_to), (of.method.stable_to, of.stable_to)]
+    {
         if theory.is_finite() {
             let x = panel.at(theory, 0.0).0;
             sheet.line((x, top - 1.0), (x, top + ROW + 1.0), BLACK, 3.0, "");
@@ -99,9 +110,21 @@ fn frame(sheet: &mut Sheet, panel: &Panel) {
         let value = 10f64.powi(exponent);
         let x = panel.at(value, 0.0).0;
         sheet.line((x, panel.bottom()), (x, panel.bottom() + 6.0), BLACK, 1.0, "");
-        sheet.text((x, panel.bottom() + 24.0), &power(f64::from(exponent)), 16, Anchor::Middle, BLACK);
+        sheet.text(
+            (x, panel.bottom() + 24.0),
+            &power(f64::from(exponent)),
+            16,
+            Anchor::Middle,
+            BLACK,
+        );
     }
-    sheet.text((panel.left + 0.5 * panel.width, panel.bottom() + 50.0), panel.x.label, 17, Anchor::Middle, BLACK);
+    sheet.text(
+        (panel.left + 0.5 * panel.width, panel.bottom() + 50.0),
+        panel.x.label,
+        17,
+        Anchor::Middle,
+        BLACK,
+    );
     for exponent in 6..=10 {
         let lambda_h = (1.0 + 10f64.powi(exponent) / 2e4) / 120.0 / 24.0;
         let x = panel.at(lambda_h, 0.0).0;
@@ -120,16 +143,19 @@ fn frame(sheet: &mut Sheet, panel: &Panel) {
 /// Order and limits in numbers, theory first.
 fn columns(sheet: &mut Sheet, panel: &Panel, measured: &[Measured]) {
     let at = [925.0, 1020.0, 1130.0];
-    for (x, (name, under)) in
-        at.iter().zip([("order", "measured"), ("stable to", "measured"), ("in 0..1 to", "measured")])
-    {
+    for (x, (name, under)) in at.iter().zip([
+        ("order", "measured"),
+        ("stable to", "measured"),
+        ("in 0..1 to", "measured"),
+    ]) {
         sheet.bold((*x, panel.top - 34.0), name, 16, Anchor::Middle, BLACK);
         sheet.text((*x, panel.top - 14.0), under, 14, Anchor::Middle, GREY);
     }
     let limit = |x: f64| if x.is_infinite() { "any".to_owned() } else { format!("{x:.4}") };
     for (i, of) in measured.iter().enumerate() {
         let y = panel.top + ROW * (i as f64 + 0.5) + 6.0;
-        let order = if of.method.name == "exact" { "exact".to_owned() } else { format!("{:.2}", of.order) };
+        let order =
+            if of.method.name == "exact" { "exact".to_owned() } else { format!("{:.2}", of.order) };
         for (x, words) in at.iter().zip([order, limit(of.stable_to), limit(of.bounded_to)]) {
             sheet.text((*x, y), &words, 16, Anchor::Middle, BLACK);
         }
@@ -155,6 +181,7 @@ fn legend(sheet: &mut Sheet, top: f64) {
     sheet.mark((565.0, below + 11.0), Marker::Disc, 6.5, BLACK);
     sheet.mark((565.0, below + 11.0), Marker::Disc, 4.5, WHITE);
     sheet.text((580.0, below + 16.0), "limit measured on the code", 16, Anchor::Start, BLACK);
-    let words = "One frame of the sun, 10¹⁰ td, is h λ = 174: far past the limit of every explicit method.";
+    let words =
+        "One frame of the sun, 10¹⁰ td, is h λ = 174: far past the limit of every explicit method.";
     sheet.text((60.0, below + 52.0), words, 16, Anchor::Start, BLUE);
 }

@@ -1,5 +1,5 @@
-//! `validate.svg`: how the error of the steady state falls, the fitted rates on theory's line, and how much of its
-//! tolerance every check uses up.
+//! `validate.svg`: how the error of the steady state falls, the fitted rates on theory's line, and
+//! how much of its tolerance every check uses up.
 
 use std::path::Path;
 
@@ -8,12 +8,20 @@ use crate::validate::{Check, Field, Validation, Verdict, summary};
 
 use super::axes::{Axis, Panel, power};
 use super::draw::{Anchor, Ink, Marker, Sheet};
-use super::palette::{BLACK, BLUE, FAINT, GREEN, GREY, ORANGE, PALE_GREEN, PALE_RED, PURPLE, SKY, VERMILION};
+use super::palette::{
+    BLACK, BLUE, FAINT, GREEN, GREY, ORANGE, PALE_GREEN, PALE_RED, PURPLE, SKY, VERMILION,
+};
 
 /// Draws what a validation found.
 pub fn write(out_dir: &Path, validation: &Validation) -> Result<()> {
     let mut sheet = Sheet::new(1200.0, 985.0);
-    sheet.bold((600.0, 32.0), "The steady state is the limit of long exposure", 22, Anchor::Middle, BLACK);
+    sheet.bold(
+        (600.0, 32.0),
+        "The steady state is the limit of long exposure",
+        22,
+        Anchor::Middle,
+        BLACK,
+    );
     falls(&mut sheet, &validation.fields);
     rates(&mut sheet, &validation.fields);
     shares(&mut sheet, validation);
@@ -33,7 +41,13 @@ fn is_drawn(field: &&Field) -> bool {
 
 /// Error against time, on theory's broad line.
 fn falls(sheet: &mut Sheet, fields: &[Field]) {
-    let x = Axis { from: 1e-6, to: 1e6, logarithmic: true, every: 2.0, label: "time under steady light (s)" };
+    let x = Axis {
+        from: 1e-6,
+        to: 1e6,
+        logarithmic: true,
+        every: 2.0,
+        label: "time under steady light (s)",
+    };
     let y = Axis { from: 1e-16, to: 1.0, logarithmic: true, every: 2.0, label: "" };
     let panel = Panel { left: 95.0, top: 90.0, width: 500.0, height: 380.0, x, y };
     panel.frame(sheet);
@@ -46,7 +60,8 @@ fn falls(sheet: &mut Sheet, fields: &[Field]) {
     };
     for field in drawn() {
         let theory = |time: f64| field.falls[0].error * (-field.rate * time).exp();
-        let points: Vec<_> = field.falls.iter().map(|fall| (fall.time, theory(fall.time))).collect();
+        let points: Vec<_> =
+            field.falls.iter().map(|fall| (fall.time, theory(fall.time))).collect();
         sheet.polyline(&shown(&points), FAINT, 7.0, "");
     }
     for field in drawn() {
@@ -56,7 +71,9 @@ fn falls(sheet: &mut Sheet, fields: &[Field]) {
     for field in drawn().filter(|field| field.start == 0.0 && field.light > 1e3) {
         let (at, anchor, words) = match field.light {
             ..1e5 => ((9e3, 3e-9), Anchor::Start, "1 to 10⁴ td".into()),
-            light => ((15.0 / field.rate, 3e-14), Anchor::End, format!("{} td", power(light.log10()))),
+            light => {
+                ((15.0 / field.rate, 3e-14), Anchor::End, format!("{} td", power(light.log10())))
+            }
         };
         sheet.text(panel.at(at.0, at.1), &words, 14, anchor, ink(field.light));
     }
@@ -67,11 +84,13 @@ fn falls(sheet: &mut Sheet, fields: &[Field]) {
 /// Fitted rates of every start, on the line (1 + I/I0)/tau.
 fn rates(sheet: &mut Sheet, fields: &[Field]) {
     let x = Axis { from: 1.0, to: 1e10, logarithmic: true, every: 2.0, label: "light (td)" };
-    let y = Axis { from: 1e-3, to: 1e4, logarithmic: true, every: 1.0, label: "rate of fall (1/s)" };
+    let y =
+        Axis { from: 1e-3, to: 1e4, logarithmic: true, every: 1.0, label: "rate of fall (1/s)" };
     let panel = Panel { left: 700.0, top: 90.0, width: 450.0, height: 380.0, x, y };
     panel.frame(sheet);
     sheet.bold((panel.left, 78.0), "Fitted rate, on (1 + I/I₀)/τ", 16, Anchor::Start, BLACK);
-    let line: Vec<_> = fields.iter().filter(|f| f.start == 1.0).map(|f| panel.at(f.light, f.rate)).collect();
+    let line: Vec<_> =
+        fields.iter().filter(|f| f.start == 1.0).map(|f| panel.at(f.light, f.rate)).collect();
     sheet.polyline(&line, GREY, 2.0, "");
     let markers = [(1.0, Marker::Disc, 5.0), (0.0, Marker::Ring, 8.0), (0.5, Marker::Cross, 4.0)];
     for (i, (start, marker, size)) in markers.into_iter().enumerate() {
@@ -84,12 +103,19 @@ fn rates(sheet: &mut Sheet, fields: &[Field]) {
     }
 }
 
-/// Every check as a point: its difference as a share of its tolerance; what passes lies left of one.
+/// Every check as a point: its difference as a share of its tolerance; what passes lies left of
+/// one.
 fn shares(sheet: &mut Sheet, validation: &Validation) {
     let (left, top, row) = (520.0, 600.0, 44.0);
-    let x =
-        Axis { from: 1e-6, to: 1e2, logarithmic: true, every: 1.0, label: "difference as a share of the tolerance" };
-    let judged: Vec<_> = validation.groups.iter().filter(|g| g.checks.iter().any(|c| c.share().is_some())).collect();
+    let x = Axis {
+        from: 1e-6,
+        to: 1e2,
+        logarithmic: true,
+        every: 1.0,
+        label: "difference as a share of the tolerance",
+    };
+    let judged: Vec<_> =
+        validation.groups.iter().filter(|g| g.checks.iter().any(|c| c.share().is_some())).collect();
     let height = row * judged.len() as f64;
     let y = Axis { from: 0.1, to: 1.0, logarithmic: false, every: 2.0, label: "" };
     let panel = Panel { left, top, width: 630.0, height, x, y };

@@ -1,7 +1,10 @@
-//! The table above the work-precision panels: what each method costs where it keeps the budget, or how it fails.
+//! The table above the work-precision panels: what each method costs where it keeps the budget, or
+//! how it fails.
 
 use super::draw::{Anchor, Ink, Sheet};
-use super::palette::{BLACK, GREEN, GREY, PALE_GREEN, PALE_GREY, PALE_RED, VERMILION, WHITE, of_method};
+use super::palette::{
+    BLACK, GREEN, GREY, PALE_GREEN, PALE_GREY, PALE_RED, VERMILION, WHITE, of_method,
+};
 use super::work::{Failure, Point};
 
 /// What a method is worth on a scene.
@@ -16,7 +19,9 @@ enum Verdict {
 
 /// The verdict on `method` under `law` on `scene`.
 fn verdict(points: &[Point], scene: &str, law: &str, method: &str) -> Verdict {
-    let of_it = || points.iter().filter(|p| p.scene == scene && p.law.name() == law && p.method.name == method);
+    let of_it = || {
+        points.iter().filter(|p| p.scene == scene && p.law.name() == law && p.method.name == method)
+    };
     let cheapest = of_it().filter(|point| point.keeps_budget()).map(|point| point.ns_per_update);
     match cheapest.min_by(f64::total_cmp) {
         Some(ns) => Verdict::Keeps(ns),
@@ -47,7 +52,13 @@ pub(super) fn table(sheet: &mut Sheet, points: &[Point], methods: &[&str], top: 
     let centre = |column: usize| LEFT + COLUMN * (column as f64 + 0.5);
     for (column, (_, _, heading)) in COLUMNS.iter().enumerate() {
         for (line, words) in heading.iter().filter(|words| !words.is_empty()).enumerate() {
-            sheet.text((centre(column), top + 14.0 + 17.0 * line as f64), words, 15, Anchor::Middle, BLACK);
+            sheet.text(
+                (centre(column), top + 14.0 + 17.0 * line as f64),
+                words,
+                15,
+                Anchor::Middle,
+                BLACK,
+            );
         }
     }
     let body = top + 42.0;
@@ -58,8 +69,10 @@ pub(super) fn table(sheet: &mut Sheet, points: &[Point], methods: &[&str], top: 
         sheet.text((44.0, y + 0.5 * ROW + 5.5), method, 16, Anchor::Start, BLACK);
         for (column, (scene, law, _)) in COLUMNS.iter().enumerate() {
             let verdict = verdict(points, scene, law, method);
-            let best = matches!(verdict, Verdict::Keeps(ns) if ns <= least(points, scene, law, methods));
-            let (ground, words, ink) = if best { (GREEN, verdict.words(), WHITE) } else { verdict.colours() };
+            let best =
+                matches!(verdict, Verdict::Keeps(ns) if ns <= least(points, scene, law, methods));
+            let (ground, words, ink) =
+                if best { (GREEN, verdict.words(), WHITE) } else { verdict.colours() };
             let left = LEFT + COLUMN * column as f64;
             sheet.block((left + 1.0, y + 1.0), COLUMN - 2.0, ROW - 2.0, ground);
             sheet.text((centre(column), y + 0.5 * ROW + 5.5), &words, 16, Anchor::Middle, ink);

@@ -64,15 +64,17 @@ pub(super) struct Point {
 pub(super) const BUDGET: f64 = 1e-3;
 
 impl Point {
-    /// Within the budget, of p and (in proportion to p) of a catch. Where light moves within frames, only of p: what
-    /// it does there is known to half a frame at best, and that alone moves the little p left in the sun by half.
+    /// Within the budget, of p and (in proportion to p) of a catch. Where light moves within
+    /// frames, only of p: what it does there is known to half a frame at best, and that alone moves
+    /// the little p left in the sun by half.
     pub(super) fn keeps_budget(&self) -> bool {
         let of_catch = self.scene == "ramp" || self.max_rel_error <= BUDGET;
         self.failure.is_none() && self.max_abs_error <= BUDGET && of_catch
     }
 }
 
-/// The laws with the constants of the `standard` set: half-bleach 2e4 td, 120 s; density 0.5, Km 0.2.
+/// The laws with the constants of the `standard` set: half-bleach 2e4 td, 120 s; density 0.5, Km
+/// 0.2.
 pub(super) fn laws() -> [Kinetics; 3] {
     let laws = [Law::FirstOrder, Law::self_screened(0.5), Law::RateLimited { km: 0.2 }];
     laws.map(|law| Kinetics { law, half_bleach: Trolands(2e4), tau: Seconds(120.0) })
@@ -89,7 +91,12 @@ pub(super) fn measure(progress: Progress) -> Vec<Point> {
             for method in METHODS {
                 let each = amounts(&kinetics, scene, method).into_iter();
                 points.extend(each.map(|work| {
-                    (scene, kinetics, point(&kinetics, scene, method, work, &truth), Vec::with_capacity(RUNS))
+                    (
+                        scene,
+                        kinetics,
+                        point(&kinetics, scene, method, work, &truth),
+                        Vec::with_capacity(RUNS),
+                    )
                 }));
             }
         }
@@ -100,14 +107,17 @@ pub(super) fn measure(progress: Progress) -> Vec<Point> {
             runs.push(cost(kinetics, scene, point.method, point.work));
         }
     }
-    let timed = points.into_iter().map(|(_, _, point, runs)| Point { ns_per_update: median(runs), ..point });
+    let timed = points
+        .into_iter()
+        .map(|(_, _, point, runs)| Point { ns_per_update: median(runs), ..point });
     timed.collect()
 }
 
 /// The amounts of work worth showing: a method that is exact on a scene is one point.
 fn amounts(kinetics: &Kinetics, scene: &Scene, method: &Method) -> Vec<Work> {
     let held = scene.frames.iter().all(|(drive, _)| matches!(drive, Drive::Held(_)));
-    let is_exact = (method.damping)(1.0) == (-1.0_f64).exp() && kinetics.law == Law::FirstOrder && held;
+    let is_exact =
+        (method.damping)(1.0) == (-1.0_f64).exp() && kinetics.law == Law::FirstOrder && held;
     if method.tolerance > 0.0 {
         [1e-2, 1e-4, 1e-6, 1e-8, 1e-10].map(Work::Tolerance).to_vec()
     } else if is_exact {
@@ -118,7 +128,13 @@ fn amounts(kinetics: &Kinetics, scene: &Scene, method: &Method) -> Vec<Work> {
 }
 
 /// The point without its time.
-fn point(kinetics: &Kinetics, scene: &Scene, method: &'static Method, work: Work, truth: &[f64]) -> Point {
+fn point(
+    kinetics: &Kinetics,
+    scene: &Scene,
+    method: &'static Method,
+    work: Work,
+    truth: &[f64],
+) -> Point {
     let path = path(scene, |p, drive, dt| frame(method, work, kinetics, p, drive, dt));
     let worst = |error: &dyn Fn(f64, f64) -> f64| {
         let errors = path.iter().zip(truth).map(|(&p, &true_p)| error(p, true_p));
@@ -137,14 +153,23 @@ fn point(kinetics: &Kinetics, scene: &Scene, method: &'static Method, work: Work
 }
 
 /// p after one frame.
-fn frame(method: &Method, work: Work, kinetics: &Kinetics, p: f64, drive: Drive, dt: Seconds) -> f64 {
+fn frame(
+    method: &Method,
+    work: Work,
+    kinetics: &Kinetics,
+    p: f64,
+    drive: Drive,
+    dt: Seconds,
+) -> f64 {
     match work {
         Work::Tolerance(tolerance) => dormand_prince(kinetics, p, drive, dt, tolerance).p,
         Work::Substeps(1) => (method.step)(kinetics, p, drive, dt),
         Work::Substeps(count) => {
             let (count, part) = (f64::from(count), Seconds(dt.0 / f64::from(count)));
             let parts = (0..count as u32).map(f64::from);
-            parts.fold(p, |p, i| (method.step)(kinetics, p, drive.part(i / count, (i + 1.0) / count), part))
+            parts.fold(p, |p, i| {
+                (method.step)(kinetics, p, drive.part(i / count, (i + 1.0) / count), part)
+            })
         }
     }
 }
@@ -159,8 +184,9 @@ fn path(scene: &Scene, mut frame: impl FnMut(f64, Drive, Seconds) -> f64) -> Vec
     each.collect()
 }
 
-/// The truth by another way than any method's: the convex form of the solution for the first-order law under held
-/// light, the closed form of the ramp, and for the other laws Radau IIA 5 with steps so small that it errs by 1e-12.
+/// The truth by another way than any method's: the convex form of the solution for the first-order
+/// law under held light, the closed form of the ramp, and for the other laws Radau IIA 5 with steps
+/// so small that it errs by 1e-12.
 fn truth(kinetics: &Kinetics, scene: &Scene) -> Vec<f64> {
     path(scene, |p, drive, dt| match (kinetics.law, drive) {
         (Law::FirstOrder, Drive::Held(light)) => {
@@ -177,7 +203,8 @@ fn truth(kinetics: &Kinetics, scene: &Scene) -> Vec<f64> {
 }
 
 fn by(name: &str, kinetics: &Kinetics, p: f64, drive: Drive, dt: Seconds, substeps: u32) -> f64 {
-    Method::named(name).map_or(f64::NAN, |method| frame(method, Work::Substeps(substeps), kinetics, p, drive, dt))
+    Method::named(name)
+        .map_or(f64::NAN, |method| frame(method, Work::Substeps(substeps), kinetics, p, drive, dt))
 }
 
 /// Below this, a negative p is rounding.
@@ -198,20 +225,23 @@ fn failure(start: f64, path: &[f64], truth: &[f64]) -> Option<Failure> {
     (moves(path) == 0.0 && moves(truth) > 1e-3).then_some(Failure::Frozen)
 }
 
-/// Whether p turns back on three frames running, by more than the budget, while the truth goes one way.
+/// Whether p turns back on three frames running, by more than the budget, while the truth goes one
+/// way.
 fn swings(path: &[f64], truth: &[f64]) -> bool {
-    let turns = |of: &[f64]| of.windows(3).map(|p| (p[1] - p[0]) * (p[2] - p[1])).collect::<Vec<f64>>();
+    let turns =
+        |of: &[f64]| of.windows(3).map(|p| (p[1] - p[0]) * (p[2] - p[1])).collect::<Vec<f64>>();
     let far = |of: &[f64]| of.windows(2).all(|p| (p[1] - p[0]).abs() > BUDGET);
     let (found, meant) = (turns(path), turns(truth));
     (3..=found.len()).any(|end| {
         let last = end - 3..end;
-        let alternates = found[last.clone()].iter().all(|&turn| turn < 0.0) && far(&path[end - 3..end + 2]);
+        let alternates =
+            found[last.clone()].iter().all(|&turn| turn < 0.0) && far(&path[end - 3..end + 2]);
         alternates && meant[last].iter().all(|&turn| turn >= 0.0)
     })
 }
 
-/// Places advanced side by side, so that a processor can overlap them as it does over a picture; fewer where each
-/// takes long, so that a run ends before the system takes the processor away.
+/// Places advanced side by side, so that a processor can overlap them as it does over a picture;
+/// fewer where each takes long, so that a run ends before the system takes the processor away.
 const PLACES: [usize; 2] = [16, 4];
 
 /// Nanoseconds for one frame of one place, as a run calls a method: once per place and sub-step.

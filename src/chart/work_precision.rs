@@ -1,4 +1,5 @@
-//! `work-precision`: time per update against error, scene by scene, failures on a rail of their own.
+//! `work-precision`: time per update against error, scene by scene, failures on a rail of their
+//! own.
 
 use super::axes::{Axis, Panel};
 use super::draw::{Anchor, Ink, Marker, Sheet};
@@ -44,7 +45,8 @@ struct View {
 
 pub(super) fn write(out_dir: &Path, progress: Progress) -> Result<()> {
     let points = measure(progress);
-    let header = "scene,law,method,substeps_or_tolerance,max_abs_error,max_rel_error,ns_per_update,failure";
+    let header =
+        "scene,law,method,substeps_or_tolerance,max_abs_error,max_rel_error,ns_per_update,failure";
     write_csv(out_dir, "work_precision", header, points.iter().map(row))?;
     draw(&points).write(out_dir, "work_precision")
 }
@@ -63,7 +65,8 @@ fn row(point: &Point) -> String {
 fn views() -> Vec<View> {
     let scenes = scenes();
     let view = |title: String, scene, law, relative| View { title, scene, law, relative };
-    let plain = scenes.iter().map(|scene| view(scene.title.to_owned(), scene.name, "first-order", false));
+    let plain =
+        scenes.iter().map(|scene| view(scene.title.to_owned(), scene.name, "first-order", false));
     let more = [
         view("sun glance, relative error of p".to_owned(), "sun-glance", "first-order", true),
         view("headlamp, relative error of p".to_owned(), "headlamp", "first-order", true),
@@ -87,7 +90,12 @@ fn draw(points: &[Point]) -> Sheet {
     sheet.text((600.0, 62.0), words, 16, Anchor::Middle, BLACK);
     let below = table(&mut sheet, points, &DRAWN, 84.0) + 60.0;
     for (i, view) in views().iter().enumerate() {
-        draw_view(&mut sheet, view, points, (82.0 + 390.0 * (i % 3) as f64, below + 322.0 * (i / 3) as f64));
+        draw_view(
+            &mut sheet,
+            view,
+            points,
+            (82.0 + 390.0 * (i % 3) as f64, below + 322.0 * (i / 3) as f64),
+        );
     }
     legend(&mut sheet, below + 4.0 * 322.0 - 10.0);
     sheet
@@ -105,7 +113,13 @@ fn draw_view(sheet: &mut Sheet, view: &View, points: &[Point], at: (f64, f64)) {
     sheet.block((panel.left, panel.top), budget - panel.left, panel.height, PALE_GREEN);
     sheet.block((panel.right(), panel.top), WIDTHS[1], panel.height, PALE_RED);
     panel.frame(sheet);
-    sheet.text((panel.right() + 0.5 * WIDTHS[1], panel.bottom() + 20.0), "failed", 15, Anchor::Middle, VERMILION);
+    sheet.text(
+        (panel.right() + 0.5 * WIDTHS[1], panel.bottom() + 20.0),
+        "failed",
+        15,
+        Anchor::Middle,
+        VERMILION,
+    );
     sheet.bold((panel.left - 40.0, panel.top - 12.0), &view.title, 16, Anchor::Start, BLACK);
     let spread = panel.at(PUBLISHED_SPREAD, 1.0).0;
     sheet.line((spread, panel.top), (spread, panel.bottom()), GREY, 1.2, "2,3");
@@ -116,9 +130,12 @@ fn draw_view(sheet: &mut Sheet, view: &View, points: &[Point], at: (f64, f64)) {
     if view.scene == "headlamp" && !view.relative {
         draw_orders(sheet, &panel);
     }
-    let shown: Vec<&Point> =
-        points.iter().filter(|point| point.scene == view.scene && point.law.name() == view.law).collect();
-    let fails = |name: &str| shown.iter().any(|point| point.method.name == name && point.failure.is_some());
+    let shown: Vec<&Point> = points
+        .iter()
+        .filter(|point| point.scene == view.scene && point.law.name() == view.law)
+        .collect();
+    let fails =
+        |name: &str| shown.iter().any(|point| point.method.name == name && point.failure.is_some());
     let failing = DRAWN.iter().filter(|name| fails(name)).count();
     let apart = f64::min(11.5, (WIDTHS[1] - 16.0) / failing.max(2) as f64);
     let mut lane = panel.right() + 9.0;
@@ -129,7 +146,8 @@ fn draw_view(sheet: &mut Sheet, view: &View, points: &[Point], at: (f64, f64)) {
     ring_the_cheapest(sheet, &panel, view, &shown);
 }
 
-/// The slopes that theory gives to methods of order 1, 2, 4 and 5: four times the work, 4^-order the error.
+/// The slopes that theory gives to methods of order 1, 2, 4 and 5: four times the work, 4^-order
+/// the error.
 fn draw_orders(sheet: &mut Sheet, panel: &Panel) {
     let (error, ns) = (1e-8, 1.5);
     for order in [1, 2, 4, 5] {
@@ -137,18 +155,33 @@ fn draw_orders(sheet: &mut Sheet, panel: &Panel) {
         sheet.line(panel.at(error, ns), end, GREY, 1.2, "");
         sheet.text((end.0, end.1 - 4.0), &order.to_string(), 13, Anchor::Middle, GREY);
     }
-    sheet.text((panel.at(error, ns).0 + 6.0, panel.at(error, ns).1 - 2.0), "order", 13, Anchor::Start, GREY);
+    sheet.text(
+        (panel.at(error, ns).0 + 6.0, panel.at(error, ns).1 - 2.0),
+        "order",
+        13,
+        Anchor::Start,
+        GREY,
+    );
 }
 
 fn error(view: &View, point: &Point) -> f64 {
     (if view.relative { point.max_rel_error } else { point.max_abs_error }).max(1e-17)
 }
 
-fn draw_method(sheet: &mut Sheet, panel: &Panel, view: &View, shown: &[&Point], lane: f64, name: &str) {
+fn draw_method(
+    sheet: &mut Sheet,
+    panel: &Panel,
+    view: &View,
+    shown: &[&Point],
+    lane: f64,
+    name: &str,
+) {
     let (ink, marker) = of_method(name);
     let of_it = shown.iter().copied().filter(|point| point.method.name == name);
-    let (failed, sound): (Vec<&Point>, Vec<&Point>) = of_it.partition(|point| point.failure.is_some());
-    let places: Vec<_> = sound.iter().map(|point| panel.at(error(view, point), point.ns_per_update)).collect();
+    let (failed, sound): (Vec<&Point>, Vec<&Point>) =
+        of_it.partition(|point| point.failure.is_some());
+    let places: Vec<_> =
+        sound.iter().map(|point| panel.at(error(view, point), point.ns_per_update)).collect();
     if name == "exact" && places.len() == 1 {
         sheet.line((places[0].0, panel.top), (places[0].0, panel.bottom()), ink, 1.4, "5,4");
     }
@@ -157,7 +190,8 @@ fn draw_method(sheet: &mut Sheet, panel: &Panel, view: &View, shown: &[&Point], 
     }
     let size = if marker == Marker::Star { 6.0 } else { 4.2 };
     places.iter().for_each(|&place| sheet.mark(place, marker, size, ink));
-    let failures: Vec<_> = failed.iter().filter_map(|point| Some((point.ns_per_update, point.failure?))).collect();
+    let failures: Vec<_> =
+        failed.iter().filter_map(|point| Some((point.ns_per_update, point.failure?))).collect();
     draw_failures(sheet, panel, lane, &failures, ink);
 }
 
@@ -177,8 +211,11 @@ fn draw_failures(sheet: &mut Sheet, panel: &Panel, x: f64, failures: &[(f64, Fai
 }
 
 fn ring_the_cheapest(sheet: &mut Sheet, panel: &Panel, view: &View, shown: &[&Point]) {
-    let drawn = shown.iter().filter(|point| DRAWN.contains(&point.method.name) && point.keeps_budget());
-    let Some(best) = drawn.min_by(|a, b| a.ns_per_update.total_cmp(&b.ns_per_update)) else { return };
+    let drawn =
+        shown.iter().filter(|point| DRAWN.contains(&point.method.name) && point.keeps_budget());
+    let Some(best) = drawn.min_by(|a, b| a.ns_per_update.total_cmp(&b.ns_per_update)) else {
+        return;
+    };
     let place = panel.at(error(view, best), best.ns_per_update);
     sheet.mark(place, Marker::Ring, 12.0, BLACK);
     let words = format!("{}, {:.0} ns", best.method.name, best.ns_per_update);

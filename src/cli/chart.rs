@@ -13,7 +13,11 @@ use super::{Common, say, table};
 pub fn command(names: &[String], common: &Common) -> Result<ExitCode> {
     let charts = chosen(names)?;
     if let Some(set) = common.set.first() {
-        return Err(Error::config("--set", set, "has no meaning for charts: they show the standard constants"));
+        return Err(Error::config(
+            "--set",
+            set,
+            "has no meaning for charts: they show the standard constants",
+        ));
     }
     common.pool()?;
     let folder = common.folder("chart");
@@ -28,7 +32,10 @@ pub fn command(names: &[String], common: &Common) -> Result<ExitCode> {
         (chart.write)(&folder, &mut progress)?;
         let csv = folder.join(format!("{}.csv", chart.name.replace('-', "_")));
         if common.json {
-            rows.insert(chart.name.into(), if csv.exists() { table::rows(&csv)? } else { Value::Null });
+            rows.insert(
+                chart.name.into(),
+                if csv.exists() { table::rows(&csv)? } else { Value::Null },
+            );
         } else {
             say(&format!("{}", csv.with_extension("png").display()));
         }
@@ -46,7 +53,11 @@ fn chosen(names: &[String]) -> Result<Vec<&'static Chart>> {
     let named = |name: &String| {
         CHARTS.iter().find(|chart| chart.name == name).ok_or_else(|| {
             let known: Vec<_> = CHARTS.iter().map(|chart| chart.name).collect();
-            Error::config("the command line", "NAME", format!("found {name:?}; accepted: {}", known.join(", ")))
+            Error::config(
+                "the command line",
+                "NAME",
+                format!("found {name:?}; accepted: {}", known.join(", ")),
+            )
         })
     };
     names.iter().map(named).collect()

@@ -29,7 +29,9 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     /// Take a frame sequence through the eye. Without CONFIG: the built-in sunset.
-    #[command(after_help = "Example:\n  sungaze run configs/sunset.toml --set observer.age=60 --out out/sixty")]
+    #[command(
+        after_help = "Example:\n  sungaze run configs/sunset.toml --set observer.age=60 --out out/sixty"
+    )]
     Run {
         /// A TOML file; without one, the built-in defaults.
         config: Option<PathBuf>,
@@ -56,7 +58,8 @@ enum Command {
         #[command(flatten)]
         common: Common,
     },
-    /// Hold the program against closed forms, the paper, published numbers and the oracle; exit code 1 if it fails.
+    /// Hold the program against closed forms, the paper, published numbers and the oracle; exit
+    /// code 1 if it fails.
     #[command(
         after_help = "Example:\n  sungaze validate --out out/validate\n  sungaze validate --set 'observer.tau_s=[121.2, 121.2, 121.2]'   fails: one per cent off"
     )]
@@ -64,7 +67,8 @@ enum Command {
         #[command(flatten)]
         common: Common,
     },
-    /// Say what a run would model and what it would leave out, each with its error bound and cost. Writes nothing.
+    /// Say what a run would model and what it would leave out, each with its error bound and cost.
+    /// Writes nothing.
     #[command(after_help = "Example:\n  sungaze plan configs/sunset.toml")]
     Plan {
         config: PathBuf,
@@ -80,7 +84,9 @@ enum Command {
         common: Common,
     },
     /// Print a completion script for a shell.
-    #[command(after_help = "Example:\n  sungaze completions bash > ~/.local/share/bash-completion/completions/sungaze")]
+    #[command(
+        after_help = "Example:\n  sungaze completions bash > ~/.local/share/bash-completion/completions/sungaze"
+    )]
     Completions { shell: clap_complete::Shell },
 }
 

@@ -26,7 +26,8 @@ pub fn command(path: &Path, common: &Common) -> Result<ExitCode> {
 /// The plan as lines that a person can check.
 fn in_words(plan: &Value) -> String {
     let bound = |value: &Value| value.as_f64().map_or("no limit".into(), |v| format!("{v:.1e}"));
-    let (tiles, tracked) = (plan["tiles"].as_u64().unwrap_or(0), plan["tiles_tracked"].as_u64().unwrap_or(0));
+    let (tiles, tracked) =
+        (plan["tiles"].as_u64().unwrap_or(0), plan["tiles_tracked"].as_u64().unwrap_or(0));
     let cost = |what: &str| plan["cost_ms_per_megapixel_frame"][what].as_f64().unwrap_or(0.0);
     let mut lines = vec![
         format!("{} over {} frames", plan["model"].as_str().unwrap_or(""), plan["frames"]),
@@ -41,12 +42,22 @@ fn in_words(plan: &Value) -> String {
     }
     lines.push(match plan["budget"].as_f64() {
         Some(budget) => {
-            format!("  taken together: at most {}, of a budget of {budget:.1e}", bound(&plan["bound_total"]))
+            format!(
+                "  taken together: at most {}, of a budget of {budget:.1e}",
+                bound(&plan["bound_total"])
+            )
         }
         None => {
-            format!("  taken together: {}; numerics.model = \"auto\" would keep a budget", bound(&plan["bound_total"]))
+            format!(
+                "  taken together: {}; numerics.model = \"auto\" would keep a budget",
+                bound(&plan["bound_total"])
+            )
         }
     });
-    lines.push(format!("  a frame of a megapixel: {:.1} ms to read, {:.1} ms to see", cost("reading"), cost("seeing")));
+    lines.push(format!(
+        "  a frame of a megapixel: {:.1} ms to read, {:.1} ms to see",
+        cost("reading"),
+        cost("seeing")
+    ));
     lines.join("\n")
 }

@@ -25,7 +25,11 @@ pub fn command(path: Option<&Path>, common: &Common) -> Result<ExitCode> {
         say(&format!("{}: the run is complete already", folder.display()));
     } else {
         let seconds = outcome.report["timing"]["wall_s"].as_f64().unwrap_or(0.0);
-        say(&format!("{}: {} frames in {seconds:.1} s", folder.display(), outcome.report["frames"]["count"]));
+        say(&format!(
+            "{}: {} frames in {seconds:.1} s",
+            folder.display(),
+            outcome.report["frames"]["count"]
+        ));
     }
     Ok(ExitCode::from(if outcome.went_on { 3 } else { 0 }))
 }

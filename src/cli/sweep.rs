@@ -52,7 +52,11 @@ pub fn command(path: &Path, asked: &Asked, common: &Common) -> Result<ExitCode> 
     } else if part == Part::Merge {
         say(&format!("{}: all cases gathered", folder.display()));
     } else {
-        let kept = if outcome.kept > 0 { format!(", {} finished before", outcome.kept) } else { String::new() };
+        let kept = if outcome.kept > 0 {
+            format!(", {} finished before", outcome.kept)
+        } else {
+            String::new()
+        };
         let cases = if outcome.ran == 1 { "case" } else { "cases" };
         say(&format!("{}: {} {cases} run{kept}", folder.display(), outcome.ran));
     }
@@ -60,16 +64,23 @@ pub fn command(path: &Path, asked: &Asked, common: &Common) -> Result<ExitCode> 
 }
 
 fn list(sweep: &Sweep, json: bool) {
-    let pairs = |values: &[String]| sweep.keys.iter().cloned().zip(values.to_vec()).collect::<Vec<_>>();
+    let pairs =
+        |values: &[String]| sweep.keys.iter().cloned().zip(values.to_vec()).collect::<Vec<_>>();
     if json {
         let object = |case: &sungaze::config::Case| {
-            let values = pairs(&case.values).into_iter().map(|(key, value)| (key, table::value(value)));
-            Value::Object(std::iter::once(("case".into(), case.number.into())).chain(values).collect::<Map<_, _>>())
+            let values =
+                pairs(&case.values).into_iter().map(|(key, value)| (key, table::value(value)));
+            Value::Object(
+                std::iter::once(("case".into(), case.number.into()))
+                    .chain(values)
+                    .collect::<Map<_, _>>(),
+            )
         };
         return say(&format!("{:#}", Value::Array(sweep.cases.iter().map(object).collect())));
     }
     for case in &sweep.cases {
-        let values = pairs(&case.values).into_iter().map(|(key, value)| format!("  {key} = {value}"));
+        let values =
+            pairs(&case.values).into_iter().map(|(key, value)| format!("  {key} = {value}"));
         say(&format!("{}{}", case.number, values.collect::<String>()));
     }
 }

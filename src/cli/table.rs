@@ -12,12 +12,15 @@ pub fn rows(path: &Path) -> Result<Value> {
     let mut lines = text.lines().map(cells);
     let names = lines.next().unwrap_or_default();
     let row = |cells: Vec<String>| {
-        Value::Object(names.iter().cloned().zip(cells.into_iter().map(value)).collect::<Map<_, _>>())
+        Value::Object(
+            names.iter().cloned().zip(cells.into_iter().map(value)).collect::<Map<_, _>>(),
+        )
     };
     Ok(Value::Array(lines.map(row).collect()))
 }
 
-/// A cell: whole and other finite numbers become numbers, TOML lists and quoted strings what they stand for.
+/// A cell: whole and other finite numbers become numbers, TOML lists and quoted strings what they
+/// stand for.
 pub fn value(cell: String) -> Value {
     let whole = || cell.parse().ok().map(|number: i64| number.into());
     let real = || cell.parse().ok().and_then(serde_json::Number::from_f64).map(Value::Number);
@@ -27,7 +30,8 @@ pub fn value(cell: String) -> Value {
 /// The value of a varied key that is a list, a string or a truth.
 fn toml_value(cell: &str) -> Option<Value> {
     let written = cell.starts_with(['[', '"', '\'', '{']) || ["true", "false"].contains(&cell);
-    let table: toml::Table = written.then(|| toml::from_str(&format!("value = {cell}")).ok()).flatten()?;
+    let table: toml::Table =
+        written.then(|| toml::from_str(&format!("value = {cell}")).ok()).flatten()?;
     serde_json::to_value(table.get("value")?).ok()
 }
 

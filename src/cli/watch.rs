@@ -30,7 +30,8 @@ impl Terminal {
         let _ = ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::SeqCst));
         let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
             let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-            let style = ProgressStyle::with_template("{bar:30} frame {pos}/{len}  {per_sec}  {eta} left");
+            let style =
+                ProgressStyle::with_template("{bar:30} frame {pos}/{len}  {per_sec}  {eta} left");
             bar.with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
         });
         Terminal { quiet, bar, begun: Instant::now(), last_line: AtomicU64::new(0) }
@@ -49,7 +50,10 @@ impl Terminal {
         if done == total || now - last >= LINE_EVERY {
             self.last_line.store(now.as_millis() as u64, Ordering::Relaxed);
             let rate = done as f64 / now.as_secs_f64();
-            eprintln!("frame {done}/{total}  {rate:.1}/s  {:.0} s left", (total - done) as f64 / rate);
+            eprintln!(
+                "frame {done}/{total}  {rate:.1}/s  {:.0} s left",
+                (total - done) as f64 / rate
+            );
         }
     }
 }

@@ -35,11 +35,16 @@ pub(super) fn check(s: &Settings) -> Check {
         ));
     }
     let film = std::path::Path::new(&s.output.video);
-    let known = film.extension().is_some_and(|e| ["mp4", "mkv", "mov"].iter().any(|known| e == *known));
+    let known =
+        film.extension().is_some_and(|e| ["mp4", "mkv", "mov"].iter().any(|known| e == *known));
     if s.output.video != "none"
         && (!known || film.file_name() != Some(film.as_os_str()) || s.output.video.starts_with('-'))
     {
-        return wrong("output.video", &s.output.video, "none, or a file name that ends in .mp4, .mkv or .mov");
+        return wrong(
+            "output.video",
+            &s.output.video,
+            "none, or a file name that ends in .mp4, .mkv or .mov",
+        );
     }
     probes(s)
 }
@@ -57,7 +62,10 @@ fn input(s: &Settings) -> Check {
             ("input.horizon", input.horizon.is_some()),
         ];
         if let Some((key, _)) = of_scene.iter().find(|(_, given)| *given) {
-            return Err(((*key).into(), "belongs to the built-in scene; it has no meaning beside input.frames".into()));
+            return Err((
+                (*key).into(),
+                "belongs to the built-in scene; it has no meaning beside input.frames".into(),
+            ));
         }
         let Some(fov) = input.horizontal_fov_deg else {
             return Err((
@@ -84,7 +92,11 @@ fn input(s: &Settings) -> Check {
 fn channels(s: &Settings) -> Check {
     let Some(Channels::Listed(list)) = &s.input.channels else { return Ok(()) };
     if list.is_empty() {
-        return wrong("input.channels", "an empty list", "one { name, centre_nm, width_nm } a band");
+        return wrong(
+            "input.channels",
+            "an empty list",
+            "one { name, centre_nm, width_nm } a band",
+        );
     }
     for channel in list {
         within("input.channels.centre_nm", channel.centre_nm, 1.0, 1e5)?;
@@ -102,14 +114,23 @@ fn time(s: &Settings) -> Check {
     ];
     let mut ways = given.iter().filter(|(_, given)| *given);
     if let (Some((first, _)), Some((second, _))) = (ways.next(), ways.next()) {
-        return Err(((*second).into(), format!("excludes {first}: give one of fps, interval_s and times_s")));
+        return Err((
+            (*second).into(),
+            format!("excludes {first}: give one of fps, interval_s and times_s"),
+        ));
     }
     optional("time.fps", t.fps, 1e-9, 1e9)?;
     optional("time.interval_s", t.interval_s, 1e-9, 1e9)?;
     optional("time.duration_s", t.duration_s, 1e-9, 1e9)?;
     let Some(times) = &t.times_s else { return Ok(()) };
-    if times.first() != Some(&0.0) || times.windows(2).any(|w| w[0] >= w[1]) || times.iter().any(|t| !t.is_finite()) {
-        return Err(("time.times_s".into(), format!("found {times:?}; accepted: seconds that begin at 0 and rise")));
+    if times.first() != Some(&0.0)
+        || times.windows(2).any(|w| w[0] >= w[1])
+        || times.iter().any(|t| !t.is_finite())
+    {
+        return Err((
+            "time.times_s".into(),
+            format!("found {times:?}; accepted: seconds that begin at 0 and rise"),
+        ));
     }
     Ok(())
 }
@@ -124,10 +145,18 @@ fn observer(s: &Settings) -> Check {
     }
     match (o.pupil, o.pupil_mm) {
         (PupilKey::Fixed, None) => {
-            return Err(("observer.pupil_mm".into(), "is required with observer.pupil = \"fixed\"".into()));
+            return Err((
+                "observer.pupil_mm".into(),
+                "is required with observer.pupil = \"fixed\"".into(),
+            ));
         }
         (PupilKey::Fixed, mm) => optional("observer.pupil_mm", mm, 0.1, 20.0)?,
-        (_, Some(_)) => return Err(("observer.pupil_mm".into(), "belongs to observer.pupil = \"fixed\"".into())),
+        (_, Some(_)) => {
+            return Err((
+                "observer.pupil_mm".into(),
+                "belongs to observer.pupil = \"fixed\"".into(),
+            ));
+        }
         (_, None) => {}
     }
     within("observer.age", o.age, 5.0, 120.0)?;

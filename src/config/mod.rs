@@ -1,4 +1,5 @@
-//! TOML -> a run. The only room that names `toml`; every message names its key and, where there is one, its line.
+//! TOML -> a run. The only room that names `toml`; every message names its key and, where there is
+//! one, its line.
 //!
 //! Precedence: preset < constants < keys of the file < `--set`.
 
@@ -35,32 +36,59 @@ pub struct Config {
 }
 
 impl Config {
-    /// Reads a configuration file (`None`: an empty one) and applies `KEY=VALUE` settings on top of it.
+    /// Reads a configuration file (`None`: an empty one) and applies `KEY=VALUE` settings on top of
+    /// it.
     pub fn load(path: Option<&Path>, sets: &[String]) -> Result<Config> {
         let Some(path) = path else {
             return Config::parse("", "the built-in defaults", "sunset", Path::new(""), sets);
         };
-        let unreadable =
-            |e: std::io::Error| Error::config(path.display().to_string(), "CONFIG", format!("cannot read: {e}"));
+        let unreadable = |e: std::io::Error| {
+            Error::config(path.display().to_string(), "CONFIG", format!("cannot read: {e}"))
+        };
         let text = std::fs::read_to_string(path).map_err(unreadable)?;
-        let name = path.file_stem().map_or_else(|| "run".into(), |stem| stem.to_string_lossy().into_owned());
-        Config::parse(&text, &path.display().to_string(), &name, path.parent().unwrap_or(Path::new("")), sets)
+        let name = path
+            .file_stem()
+            .map_or_else(|| "run".into(), |stem| stem.to_string_lossy().into_owned());
+        Config::parse(
+            &text,
+            &path.display().to_string(),
+            &name,
+            path.parent().unwrap_or(Path::new("")),
+            sets,
+        )
     }
 
-    /// Reads a configuration from text. `place` is what messages call it; relative paths are relative to `base`.
-    pub fn parse(text: &str, place: &str, name: &str, base: &Path, sets: &[String]) -> Result<Config> {
+    /// Reads a configuration from text. `place` is what messages call it; relative paths are
+    /// relative to `base`.
+    pub fn parse(
+        text: &str,
+        place: &str,
+        name: &str,
+        base: &Path,
+        sets: &[String],
+    ) -> Result<Config> {
         let source = Source::new(place, text);
         toml::from_str::<Settings>(text).map_err(|error| source.explain(&error))?;
         let mut keys: Table = toml::from_str(text).map_err(|error| source.explain(&error))?;
         let mut set_keys = Vec::new();
-        let mut settings = effective(&keys).map_err(|(key, problem)| source.error(&key, &key, &problem))?;
+        let mut settings =
+            effective(&keys).map_err(|(key, problem)| source.error(&key, &key, &problem))?;
         for set in sets {
             let (key, value) = parse_set(set)?;
-            insert(&mut keys, &key, value).map_err(|problem| Error::config("--set", &key, problem))?;
-            settings = effective(&keys).map_err(|(_, problem)| Error::config("--set", &key, problem))?;
+            insert(&mut keys, &key, value)
+                .map_err(|problem| Error::config("--set", &key, problem))?;
+            settings =
+                effective(&keys).map_err(|(_, problem)| Error::config("--set", &key, problem))?;
             set_keys.push(key);
         }
-        let config = Config { settings, name: name.to_owned(), base: base.to_owned(), source, set_keys, keys };
+        let config = Config {
+            settings,
+            name: name.to_owned(),
+            base: base.to_owned(),
+            source,
+            set_keys,
+            keys,
+        };
         check::check(&config.settings).map_err(|(key, problem)| config.wrong(&key, problem))?;
         Ok(config)
     }
@@ -69,17 +97,21 @@ impl Config {
     pub fn with(&self, changes: &[(String, Value)]) -> Result<Config> {
         let mut config = self.clone();
         for (key, value) in changes {
-            insert(&mut config.keys, key, value.clone()).map_err(|problem| self.wrong(key, problem))?;
-            config.settings = effective(&config.keys).map_err(|(_, problem)| self.wrong(key, problem))?;
+            insert(&mut config.keys, key, value.clone())
+                .map_err(|problem| self.wrong(key, problem))?;
+            config.settings =
+                effective(&config.keys).map_err(|(_, problem)| self.wrong(key, problem))?;
         }
         check::check(&config.settings).map_err(|(key, problem)| self.wrong(&key, problem))?;
         Ok(config)
     }
 
-    /// An error about one of the keys: at its line if the file has it, or at the setting that gave it.
+    /// An error about one of the keys: at its line if the file has it, or at the setting that gave
+    /// it.
     pub fn wrong(&self, key: &str, problem: impl Into<String>) -> Error {
-        let given =
-            |set: &String| key == set || key.starts_with(&format!("{set}.")) || set.starts_with(&format!("{key}."));
+        let given = |set: &String| {
+            key == set || key.starts_with(&format!("{set}.")) || set.starts_with(&format!("{key}."))
+        };
         if self.set_keys.iter().any(given) {
             return Error::config("--set", key, problem);
         }
@@ -102,12 +134,18 @@ type Wrong = (String, String);
 
 /// The keys on top of what their preset and their set of constants say, as typed settings.
 fn effective(keys: &Table) -> std::result::Result<Settings, Wrong> {
-    let word =
-        |table: &Table, key: &str| -> Option<String> { Some(table.get("observer")?.get(key)?.as_str()?.to_owned()) };
+    let word = |table: &Table, key: &str| -> Option<String> {
+        Some(table.get("observer")?.get(key)?.as_str()?.to_owned())
+    };
     let mut all = match word(keys, "preset").as_deref() {
         None | Some("standard") => Table::new(),
         Some("paper") => paper(),
-        Some(other) => return Err(("observer.preset".into(), format!("found {other:?}; accepted: standard, paper"))),
+        Some(other) => {
+            return Err((
+                "observer.preset".into(),
+                format!("found {other:?}; accepted: standard, paper"),
+            ));
+        }
     };
     let named = word(keys, "constants").or_else(|| word(&all, "constants"));
     if let Some(name) = named {
@@ -115,10 +153,13 @@ fn effective(keys: &Table) -> std::result::Result<Settings, Wrong> {
     }
     merge(&mut all, keys);
     let settings = all.try_into::<Settings>();
-    settings.map(Settings::completed).map_err(|error| ("settings".into(), source::plain(error.message())))
+    settings
+        .map(Settings::completed)
+        .map_err(|error| ("settings".into(), source::plain(error.message())))
 }
 
-/// Preset `paper`: the observer of Gutierrez et al. 2005. With `numerics.model = "steady"` it is their model.
+/// Preset `paper`: the observer of Gutierrez et al. 2005. With `numerics.model = "steady"` it is
+/// their model.
 fn paper() -> Table {
     toml::toml! {
         [observer]
@@ -136,7 +177,10 @@ fn paper() -> Table {
 fn constants_table(name: &str) -> std::result::Result<Table, Wrong> {
     let Some(set) = constants::named(name) else {
         let names: Vec<_> = constants::CONSTANTS.iter().map(|set| set.name).collect();
-        return Err(("observer.constants".into(), format!("found {name:?}; accepted: {}", names.join(", "))));
+        return Err((
+            "observer.constants".into(),
+            format!("found {name:?}; accepted: {}", names.join(", ")),
+        ));
     };
     let (half_bleach, tau) = (set.half_bleach_log_td.to_vec(), set.tau_s.to_vec());
     let mut observer = Table::new();
@@ -165,7 +209,9 @@ fn parse_set(set: &str) -> Result<(String, Value)> {
         return Err(Error::config("--set", set, "must read KEY=VALUE, such as observer.age=60"));
     };
     let (key, value) = (key.trim(), value.trim());
-    let as_toml = toml::from_str::<Table>(&format!("value = {value}")).ok().and_then(|mut t| t.remove("value"));
+    let as_toml = toml::from_str::<Table>(&format!("value = {value}"))
+        .ok()
+        .and_then(|mut t| t.remove("value"));
     Ok((key.to_owned(), as_toml.unwrap_or_else(|| Value::String(value.to_owned()))))
 }
 

@@ -2,9 +2,13 @@
 
 use crate::display::{Ceiling, Display, Tone};
 use crate::error::{Error, Result};
-use crate::eye::{Directional, Dynamics, Field, Narrowing, Observer, Reading, Rule, Set, Steepness};
+use crate::eye::{
+    Directional, Dynamics, Field, Narrowing, Observer, Reading, Rule, Set, Steepness,
+};
 use crate::frames::builtin::{Ground, Sunset};
-use crate::frames::{self, ChannelNames, Compression, Negative, NonFinite, Quantity, ReadOptions, Sequence, Wanted};
+use crate::frames::{
+    self, ChannelNames, Compression, Negative, NonFinite, Quantity, ReadOptions, Sequence, Wanted,
+};
 use crate::kinetics::{Kinetics, Law};
 use crate::plan::{self, Plan};
 use crate::retina::Model;
@@ -168,9 +172,10 @@ impl Config {
         }
     }
 
-    /// Compression of the percept's files. `auto` is ZIP, which every program reads, and of the codes that lose
-    /// nothing the one to prefer by measurement: nearly the smallest, and written almost as fast as bare samples.
-    /// A 1080p half RGB frame with two per cent of noise, on one core (`cargo bench --bench against_copy -- 2 EXR`):
+    /// Compression of the percept's files. `auto` is ZIP, which every program reads, and of the
+    /// codes that lose nothing the one to prefer by measurement: nearly the smallest, and written
+    /// almost as fast as bare samples. A 1080p half RGB frame with two per cent of noise, on one
+    /// core (`cargo bench --bench against_copy -- 2 EXR`):
     ///
     /// | code | none | rle | zips | zip | piz |
     /// |---|---|---|---|---|---|
@@ -180,9 +185,9 @@ impl Config {
     pub fn compression(&self) -> Result<Compression> {
         match self.settings.output.compression.as_str() {
             "auto" => Ok(Compression::Zip),
-            name => {
-                name.parse().map_err(|problem: String| self.wrong("output.compression", format!("{problem}, auto")))
-            }
+            name => name.parse().map_err(|problem: String| {
+                self.wrong("output.compression", format!("{problem}, auto"))
+            }),
         }
     }
 
@@ -198,10 +203,14 @@ impl Config {
             settings::Missing::Error => frames::Missing::Error,
             settings::Missing::Hold => frames::Missing::Hold,
         };
-        Sequence::find(names, &self.base, &input.range, missing).map(Some).map_err(|error| match error {
-            Error::Config { key, problem, .. } => self.wrong(&format!("input.{key}"), problem),
-            Error::File { path, problem } => self.wrong("input.frames", format!("{}: {problem}", path.display())),
-            other => other,
+        Sequence::find(names, &self.base, &input.range, missing).map(Some).map_err(|error| {
+            match error {
+                Error::Config { key, problem, .. } => self.wrong(&format!("input.{key}"), problem),
+                Error::File { path, problem } => {
+                    self.wrong("input.frames", format!("{}: {problem}", path.display()))
+                }
+                other => other,
+            }
         })
     }
 
@@ -212,7 +221,8 @@ impl Config {
             Horizon::Sea => Ground::Sea,
             Horizon::Land => Ground::Land,
         };
-        let (elevation, turbidity) = (input.sun_elevation_deg.unwrap_or(0.5), input.turbidity.unwrap_or(2.5));
+        let (elevation, turbidity) =
+            (input.sun_elevation_deg.unwrap_or(0.5), input.turbidity.unwrap_or(2.5));
         Sunset::new(input.width.unwrap_or(480) as usize, elevation, turbidity, ground)
     }
 
@@ -222,13 +232,16 @@ impl Config {
         Ok(match n.model {
             ModelKey::None => Model::Unbleached,
             ModelKey::Steady => Model::Steady,
-            ModelKey::Auto | ModelKey::Tracked => {
-                Model::Tracked { method: self.method()?, substeps: n.substeps, budget: plan::SUBSTEPS * n.budget }
-            }
+            ModelKey::Auto | ModelKey::Tracked => Model::Tracked {
+                method: self.method()?,
+                substeps: n.substeps,
+                budget: plan::SUBSTEPS * n.budget,
+            },
         })
     }
 
-    /// A plan that may leave things out (`numerics.model = "auto"`), or one that does as it is told.
+    /// A plan that may leave things out (`numerics.model = "auto"`), or one that does as it is
+    /// told.
     pub fn plan(&self) -> Plan {
         let n = &self.settings.numerics;
         Plan::new((n.model == ModelKey::Auto).then_some(n.budget))

@@ -1,4 +1,5 @@
-//! The configuration as it is written: one struct a section, one field a key. The names are a contract.
+//! The configuration as it is written: one struct a section, one field a key. The names are a
+//! contract.
 
 use serde::{Deserialize, Serialize};
 
@@ -25,7 +26,8 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// With what silence means written out: the built-in scene, the peak densities of the fundamentals.
+    /// With what silence means written out: the built-in scene, the peak densities of the
+    /// fundamentals.
     pub(super) fn completed(mut self) -> Self {
         let input = &mut self.input;
         if input.frames.is_none() {
@@ -36,7 +38,8 @@ impl Settings {
             input.horizon.get_or_insert_default();
         }
         let observer = &mut self.observer;
-        let set = if observer.fundamentals == SetKey::Smj1993 { Set::Smj1993 } else { Set::Cie2006 };
+        let set =
+            if observer.fundamentals == SetKey::Smj1993 { Set::Smj1993 } else { Set::Cie2006 };
         let field = if observer.field_deg == 2 { Field::TwoDegrees } else { Field::TenDegrees };
         observer.optical_density.get_or_insert(set.optical_density(field));
         self
@@ -175,7 +178,10 @@ impl Default for Gaze {
 
 /// Where the eye looks: a fraction of width and height from the top left, or what it seeks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged, expecting = "[x, y] as fractions of the picture, \"brightest\" or \"brightest-each\"")]
+#[serde(
+    untagged,
+    expecting = "[x, y] as fractions of the picture, \"brightest\" or \"brightest-each\""
+)]
 pub enum Aim {
     At([f64; 2]),
     Seek(Seek),

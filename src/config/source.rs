@@ -32,7 +32,8 @@ impl Source {
     pub(super) fn explain(&self, error: &toml::de::Error) -> Error {
         let problem = plain(error.message());
         let Some(span) = error.span() else { return Error::config(&self.place, "TOML", problem) };
-        let key = DeTable::parse(&self.text).ok().and_then(|table| key_at(table.get_ref(), span.start));
+        let key =
+            DeTable::parse(&self.text).ok().and_then(|table| key_at(table.get_ref(), span.start));
         let place = format!("{}:{}", self.place, self.line(span.start));
         Error::config(place, key.unwrap_or_else(|| "TOML".into()), problem)
     }
@@ -60,7 +61,8 @@ pub(super) fn plain(message: &str) -> String {
     words.iter().fold(message.to_owned(), |text, (from, to)| text.replace(from, to))
 }
 
-/// Byte offset of a dotted path: keys, and numbers of the items of a list. Without a number, the first that fits.
+/// Byte offset of a dotted path: keys, and numbers of the items of a list. Without a number, the
+/// first that fits.
 fn start_of(table: &DeTable<'_>, key: &str) -> Option<usize> {
     let (head, rest) = key.split_once('.').map_or((key, None), |(head, rest)| (head, Some(rest)));
     let (name, value) = table.iter().find(|(name, _)| name.get_ref() == head)?;
@@ -89,12 +91,14 @@ fn key_at(table: &DeTable<'_>, offset: usize) -> Option<String> {
         let covers = |span: std::ops::Range<usize>| span.contains(&offset);
         let deeper = match value.get_ref() {
             DeValue::Table(inner) => key_at(inner, offset),
-            DeValue::Array(list) => list.iter().find_map(|item| key_at(item.get_ref().as_table()?, offset)),
+            DeValue::Array(list) => {
+                list.iter().find_map(|item| key_at(item.get_ref().as_table()?, offset))
+            }
             _ => None,
         };
         let name_of = |rest: String| format!("{}.{rest}", name.get_ref());
-        deeper
-            .map(name_of)
-            .or_else(|| (covers(name.span()) || covers(value.span())).then(|| name.get_ref().to_string()))
+        deeper.map(name_of).or_else(|| {
+            (covers(name.span()) || covers(value.span())).then(|| name.get_ref().to_string())
+        })
     })
 }

@@ -1,5 +1,5 @@
-//! `[sweep]`: exposure durations, and lists of values for any keys. The cases are the product of the lists, numbered
-//! from 0, the last list running fastest.
+//! `[sweep]`: exposure durations, and lists of values for any keys. The cases are the product of
+//! the lists, numbered from 0, the last list running fastest.
 
 use serde::Deserialize;
 use toml::Value;
@@ -83,7 +83,10 @@ impl Durations {
             Durations::Spaced(Spaced { from, to, count }) => {
                 if !(from > 0.0 && from < to && to.is_finite() && (2..=MOST).contains(&count)) {
                     let found = format!("found from {from} to {to}, {count} of them");
-                    return Err((key, format!("{found}; accepted: 0 < from < to in seconds, 2 to {MOST} of them")));
+                    return Err((
+                        key,
+                        format!("{found}; accepted: 0 < from < to in seconds, 2 to {MOST} of them"),
+                    ));
                 }
                 let at = |i: usize| from * (to / from).powf(i as f64 / (count - 1) as f64);
                 Ok((0..count - 1).map(at).chain([to]).collect())
@@ -96,7 +99,9 @@ fn rising(list: &[f64]) -> Result<Vec<f64>, String> {
     let accepted = "accepted: rising seconds, 0 or more";
     match list {
         [] => Err(format!("is an empty list; {accepted}")),
-        _ if list.len() > MOST => Err(format!("has {} durations; at most {MOST} are accepted", list.len())),
+        _ if list.len() > MOST => {
+            Err(format!("has {} durations; at most {MOST} are accepted", list.len()))
+        }
         _ => match list.iter().find(|d| !(d.is_finite() && **d >= 0.0)) {
             Some(wrong) => Err(format!("found {wrong}; {accepted}")),
             None => match list.windows(2).find(|w| w[0] >= w[1]) {
@@ -108,7 +113,8 @@ fn rising(list: &[f64]) -> Result<Vec<f64>, String> {
 }
 
 impl Config {
-    /// The sweep of `[sweep]`, every case's configuration read and checked. No frame is looked for yet.
+    /// The sweep of `[sweep]`, every case's configuration read and checked. No frame is looked for
+    /// yet.
     pub fn sweep(&self) -> Result<Sweep> {
         let Some(keys) = &self.settings.sweep else {
             return Err(self.wrong("sweep", "is missing: a sweep needs [sweep] with durations_s"));
@@ -118,17 +124,22 @@ impl Config {
         self.check_lists(&keys.vary)?;
         let count = keys.vary.iter().map(|vary| vary.values.len()).fold(1, usize::saturating_mul);
         if count > MOST {
-            return Err(wrong(("vary", format!("makes {count} cases; at most {MOST} are accepted"))));
+            return Err(wrong((
+                "vary",
+                format!("makes {count} cases; at most {MOST} are accepted"),
+            )));
         }
-        let cases = (0..count).map(|number| self.case(&keys.vary, number)).collect::<Result<_>>()?;
+        let cases =
+            (0..count).map(|number| self.case(&keys.vary, number)).collect::<Result<_>>()?;
         let names = keys.vary.iter().map(|vary| vary.key.clone()).collect();
         Ok(Sweep { durations, pictures: keys.pictures, keys: names, cases })
     }
 
     fn check_lists(&self, lists: &[Vary]) -> Result<()> {
         for (i, vary) in lists.iter().enumerate() {
-            let wrong =
-                |part: &str, problem: &str| Err(self.wrong_at(&format!("sweep.vary.{i}.{part}"), &vary.key, problem));
+            let wrong = |part: &str, problem: &str| {
+                Err(self.wrong_at(&format!("sweep.vary.{i}.{part}"), &vary.key, problem))
+            };
             if vary.values.is_empty() {
                 return wrong("values", "has an empty list of values; give at least one");
             }
@@ -144,10 +155,12 @@ impl Config {
 
     fn case(&self, lists: &[Vary], number: usize) -> Result<Case> {
         let mut rest = number;
-        let mut chosen: Vec<usize> = lists.iter().rev().map(|vary| take(&mut rest, vary.values.len())).collect();
+        let mut chosen: Vec<usize> =
+            lists.iter().rev().map(|vary| take(&mut rest, vary.values.len())).collect();
         chosen.reverse();
         let picked = || lists.iter().zip(&chosen).map(|(vary, &j)| (&vary.key, &vary.values[j]));
-        let changes: Vec<(String, Value)> = picked().map(|(key, value)| (key.clone(), value.clone())).collect();
+        let changes: Vec<(String, Value)> =
+            picked().map(|(key, value)| (key.clone(), value.clone())).collect();
         let values = picked().map(|(_, value)| value.to_string()).collect();
         let mut case = Case { number, values, config: self.clone(), chosen };
         case.config = self.with(&changes).map_err(|error| case.located(error))?;
@@ -199,7 +212,9 @@ mod tests {
 
     #[test]
     fn logarithmic_durations_have_even_ratios_and_exact_ends() {
-        let durations = sweep("[sweep]\ndurations_s = { from = 0.01, to = 1000, count = 6 }").unwrap().durations;
+        let durations = sweep("[sweep]\ndurations_s = { from = 0.01, to = 1000, count = 6 }")
+            .unwrap()
+            .durations;
         assert_eq!((durations[0], durations[5]), (0.01, 1000.0));
         assert!(durations.windows(2).all(|w| (w[1] / w[0] - 10.0).abs() < 1e-12));
     }
@@ -215,9 +230,17 @@ mod tests {
             ("[input]\nwidth = 16\n".into(), "", "[sweep]"),
             ("[sweep]\ndurations_s = []\n".into(), ":2", "empty list"),
             ("[sweep]\ndurations_s = [1, -2]\n".into(), ":2", "-2"),
-            ("\n[sweep]\npictures = false\ndurations_s = [3, 1]\n".into(), ":4", "found 3 before 1"),
+            (
+                "\n[sweep]\npictures = false\ndurations_s = [3, 1]\n".into(),
+                ":4",
+                "found 3 before 1",
+            ),
             ("[sweep]\ndurations_s = [1, nan]\n".into(), ":2", "NaN"),
-            ("[sweep]\ndurations_s = { from = 0, to = 1, count = 4 }\n".into(), ":2", "from 0 to 1"),
+            (
+                "[sweep]\ndurations_s = { from = 0, to = 1, count = 4 }\n".into(),
+                ":2",
+                "from 0 to 1",
+            ),
             ("[sweep]\ndurations_s = \"long\"\n".into(), ":2", "list of seconds"),
             ("[sweep]\ndurations_s = [1]\npicture = true\n".into(), ":3", "picture"),
             (vary("\"observer.agee\"", "[3]"), ":7", "observer.agee"),
@@ -229,7 +252,10 @@ mod tests {
             (vary("\"sweep.pictures\"", "[true]"), ":7", "one [sweep]"),
         ] {
             let told_us = sweep(&text).unwrap_err().to_string();
-            assert!(told_us.starts_with(&format!("s.toml{line}: ")) && told_us.contains(told), "{text}\n{told_us}");
+            assert!(
+                told_us.starts_with(&format!("s.toml{line}: ")) && told_us.contains(told),
+                "{text}\n{told_us}"
+            );
         }
     }
 }

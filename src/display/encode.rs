@@ -4,8 +4,9 @@
 //! v <= 0.0031308: 12.92 v        else 1.055 v^(1/2.4) - 0.055        (IEC 61966-2-1:1999)
 //! ```
 //!
-//! The nearest of 256 codes, exactly: the upper half of a number's bits leads to the code of the lowest number with
-//! the same half, and at most one step from code to code lies between it and the next.
+//! The nearest of 256 codes, exactly: the upper half of a number's bits leads to the code of the
+//! lowest number with the same half, and at most one step from code to code lies between it and the
+//! next.
 
 use std::sync::LazyLock;
 
@@ -31,8 +32,10 @@ impl Srgb {
         for (code, begin) in begins.iter_mut().enumerate().take(256).skip(1) {
             *begin = least_at_or_above(decoded((code as f64 - 0.5) / 255.0));
         }
-        let lows = (LEAST.to_bits() >> 16..=1f32.to_bits() >> 16).map(|half| f32::from_bits(half << 16));
-        let codes = lows.map(|low| (begins.partition_point(|&begin| begin <= low) - 1) as u8).collect();
+        let lows =
+            (LEAST.to_bits() >> 16..=1f32.to_bits() >> 16).map(|half| f32::from_bits(half << 16));
+        let codes =
+            lows.map(|low| (begins.partition_point(|&begin| begin <= low) - 1) as u8).collect();
         Srgb { codes, begins }
     }
 

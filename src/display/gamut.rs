@@ -1,21 +1,22 @@
 //! Bringing a colour into what a display can show.
 //!
-//! A colour is linear RGB in the sRGB primaries. Strongly bleached cones see colours that no light has: those move
-//! toward the grey of the same luminance until no component is negative,
+//! A colour is linear RGB in the sRGB primaries. Strongly bleached cones see colours that no light
+//! has: those move toward the grey of the same luminance until no component is negative,
 //!
 //! ```text
 //! c' = Y + (c - Y) Y / (Y - min c)
 //! ```
 //!
-//! and never by clipping one channel, which would change hue and luminance. Colours brighter than the display come
-//! in between two ways, by the display's `highlights` h:
+//! and never by clipping one channel, which would change hue and luminance. Colours brighter than
+//! the display come in between two ways, by the display's `highlights` h:
 //!
 //! ```text
 //! (1 - h^3) hue + h^3 white        hue = c / max c,  white = Y + (c - Y) (1 - Y) / (max c - Y), at most 1
 //! ```
 //!
-//! The eye judges admixed white by about the cube root of its amount (CIE 1976 lightness), so that half way looks
-//! half way; mixed as light, half white turns a red sun to a pink that is lost in its sky.
+//! The eye judges admixed white by about the cube root of its amount (CIE 1976 lightness), so that
+//! half way looks half way; mixed as light, half white turns a red sun to a pink that is lost in
+//! its sky.
 
 /// Less than this is no light at all, cd/m2; keeps quotients finite.
 const DARK: f32 = 1e-30;
@@ -109,7 +110,8 @@ mod tests {
             prop_assert!((luminance(unit) - 1.0).abs() < 1e-4);
             let least = light.iter().copied().fold(0.0, f32::min);
             for i in 0..3 {
-                // On the line from the colour to grey, and on the edge of the gamut where it was outside.
+                // On the line from the colour to grey, and on the edge of the gamut where it was
+                // outside.
                 prop_assert!(((unit[i] - 1.0) * (y - least) - (light[i] - y)).abs() < 1e-3);
                 prop_assert!(least == 0.0 || light[i] > least || unit[i] < 1e-5);
             }

@@ -5,8 +5,8 @@
 //! percept -> luminance Y -> share of white (Ld - Ldmin)/(Ldmax - Ldmin) -> gamut -> sRGB, 8 bit
 //! ```
 //!
-//! The map is built from the light *before* bleaching and follows it slowly: a map rebuilt each frame from the
-//! bleached picture would undo the very dimming it should show. Luminances in cd/m2.
+//! The map is built from the light *before* bleaching and follows it slowly: a map rebuilt each
+//! frame from the bleached picture would undo the very dimming it should show. Luminances in cd/m2.
 //!
 //! Tone reproduction: Ward, Rushmeier & Piatko 1997, IEEE TVCG 3(4), 291-306, or a fixed exposure.
 //! This room knows no file, no configuration and no eye.
@@ -52,14 +52,15 @@ pub struct Display {
     pub smoothing: Seconds,
     /// Colours brighter than the display: 0 keeps their hue, 1 their luminance.
     pub highlights: f64,
-    /// Luminance of linear sRGB light to the observer. Cones never catch less than nothing, so by the observer's own
-    /// weights a percept always has luminance; by those of 1931 (.2126, .7152, .0722) what S cones alone see would
-    /// have less than none, and would be shown black.
+    /// Luminance of linear sRGB light to the observer. Cones never catch less than nothing, so by
+    /// the observer's own weights a percept always has luminance; by those of 1931 (.2126, .7152,
+    /// .0722) what S cones alone see would have less than none, and would be shown black.
     pub luminance: [f64; 3],
 }
 
-/// Luminance of linear sRGB light to the standard observer: 0.69283932 L + 0.34967567 M (CIE 170-2:2015) of the
-/// primaries' catches. Other observers bring their own ([`crate::percept::Vision::srgb_luminance`]).
+/// Luminance of linear sRGB light to the standard observer: 0.69283932 L + 0.34967567 M (CIE
+/// 170-2:2015) of the primaries' catches. Other observers bring their own
+/// ([`crate::percept::Vision::srgb_luminance`]).
 pub const STANDARD_LUMINANCE: [f64; 3] = [0.198_658, 0.681_934, 0.119_408];
 
 impl Default for Display {
@@ -75,7 +76,8 @@ impl Default for Display {
 }
 
 impl Display {
-    /// White over black under Ward's adjustment: what a good display shows in a dim room (Ward et al. 1997).
+    /// White over black under Ward's adjustment: what a good display shows in a dim room (Ward et
+    /// al. 1997).
     pub const CONTRAST: f64 = 100.0;
 
     /// Luminance of the display's black. A fixed exposure takes it as none.
@@ -88,34 +90,51 @@ impl Display {
 
     /// The map of the frame that lasts `dt`, after the map of the frame before.
     ///
-    /// Log display luminance approaches that of the frame's own map exponentially, at every world luminance alike;
-    /// a frame without light changes nothing, and a fixed exposure has nothing to follow.
+    /// Log display luminance approaches that of the frame's own map exponentially, at every world
+    /// luminance alike; a frame without light changes nothing, and a fixed exposure has nothing to
+    /// follow.
     pub fn follow(&self, previous: Option<&ToneMap>, survey: &Survey, dt: Seconds) -> ToneMap {
-        let (Some(previous), Tone::Ward(_)) = (previous, self.tone) else { return self.map(survey) };
+        let (Some(previous), Tone::Ward(_)) = (previous, self.tone) else {
+            return self.map(survey);
+        };
         let share = if self.smoothing.0 > 0.0 { -(-dt.0 / self.smoothing.0).exp_m1() } else { 1.0 };
-        if share > 0.0 && survey.greatest > 0.0 { previous.toward(self.map(survey), share) } else { previous.clone() }
+        if share > 0.0 && survey.greatest > 0.0 {
+            previous.toward(self.map(survey), share)
+        } else {
+            previous.clone()
+        }
     }
 
-    /// A map from the levels that [`ToneMap::levels`] gave, bit for bit; `None` where they are no map's.
+    /// A map from the levels that [`ToneMap::levels`] gave, bit for bit; `None` where they are no
+    /// map's.
     pub fn restore(&self, levels: Vec<f64>) -> Option<ToneMap> {
         ToneMap::from_levels(levels, self.black(), self.white)
     }
 
-    /// Encodes one row of a percept as sRGB: linear sRGB primaries, `scale` cd/m2 the unit; three bytes a pixel out.
+    /// Encodes one row of a percept as sRGB: linear sRGB primaries, `scale` cd/m2 the unit; three
+    /// bytes a pixel out.
     pub fn encode_row(&self, map: &ToneMap, rgb: [&[f32]; 3], scale: f32, out: &mut [u8]) {
         let weights = self.luminance.map(|w| w as f32);
         let [red, green, blue] = rgb.map(|plane| plane.chunks(row::BLOCK));
-        for (((red, green), blue), bytes) in red.zip(green).zip(blue).zip(out.chunks_mut(3 * row::BLOCK)) {
-            row::encode_block(map, [red, green, blue], (scale, weights), self.highlights as f32, bytes);
+        for (((red, green), blue), bytes) in
+            red.zip(green).zip(blue).zip(out.chunks_mut(3 * row::BLOCK))
+        {
+            row::encode_block(
+                map,
+                [red, green, blue],
+                (scale, weights),
+                self.highlights as f32,
+                bytes,
+            );
         }
     }
 
     /// The map of one frame by itself.
     fn map(&self, survey: &Survey) -> ToneMap {
         match self.tone {
-            Tone::Exposure { ev } => {
-                ToneMap::tabulate(self.black(), self.white, |ln_world| ln_world + ev * std::f64::consts::LN_2)
-            }
+            Tone::Exposure { ev } => ToneMap::tabulate(self.black(), self.white, |ln_world| {
+                ln_world + ev * std::f64::consts::LN_2
+            }),
             Tone::Ward(ceiling) => {
                 let ward = ward::Adjustment::new(survey, ceiling, self.black(), self.white);
                 ToneMap::tabulate(self.black(), self.white, |ln_world| ward.ln_display(ln_world))
@@ -130,7 +149,8 @@ mod tests {
     use proptest::prelude::*;
 
     fn survey(cells: Vec<f32>) -> Survey {
-        let (least, greatest) = cells.iter().fold((f32::INFINITY, 0f32), |(low, high), &c| (low.min(c), high.max(c)));
+        let (least, greatest) =
+            cells.iter().fold((f32::INFINITY, 0f32), |(low, high), &c| (low.min(c), high.max(c)));
         let mean = cells.iter().copied().map(f64::from).sum::<f64>() / cells.len() as f64;
         Survey { cells, least, greatest, mean, brightest: (0, 0) }
     }
@@ -162,7 +182,8 @@ mod tests {
             map = display.follow(Some(&map), &outdoors(), Seconds(0.1));
             let left = (-0.1 * n as f64 / 0.5).exp();
             for level in [0, 1000, 3000, 7000] {
-                let expected = after.levels()[level] + left * (before.levels()[level] - after.levels()[level]);
+                let expected =
+                    after.levels()[level] + left * (before.levels()[level] - after.levels()[level]);
                 approx::assert_relative_eq!(map.levels()[level], expected, epsilon = 1e-12);
             }
         }
@@ -178,7 +199,10 @@ mod tests {
         let first = display.follow(None, &indoors(), Seconds(0.04));
         assert_eq!(display.follow(Some(&first), &outdoors(), Seconds(0.0)), first);
         let instant = Display { smoothing: Seconds(0.0), ..display };
-        assert_eq!(instant.follow(Some(&first), &outdoors(), Seconds(0.0)), display.map(&outdoors()));
+        assert_eq!(
+            instant.follow(Some(&first), &outdoors(), Seconds(0.0)),
+            display.map(&outdoors())
+        );
         let pinned = Display { smoothing: Seconds(f64::INFINITY), ..display };
         assert_eq!(pinned.follow(Some(&first), &outdoors(), Seconds(1e9)), first);
     }
@@ -188,7 +212,10 @@ mod tests {
         let display = Display { smoothing: Seconds(0.0), ..Display::default() };
         let map = display.map(&outdoors());
         let dark = survey(vec![0.0; 10]);
-        assert_eq!(display.follow(Some(&map), &Survey { least: 0.0, ..dark.clone() }, Seconds(1.0)), map);
+        assert_eq!(
+            display.follow(Some(&map), &Survey { least: 0.0, ..dark.clone() }, Seconds(1.0)),
+            map
+        );
         let first = display.follow(None, &Survey { least: 0.0, ..dark }, Seconds(1.0));
         assert_eq!(pixel(&display, &first, [0.0; 3]), [0; 3]);
     }
@@ -209,7 +236,11 @@ mod tests {
         let display = Display { tone: Tone::Exposure { ev: 1.0 }, ..Display::default() };
         let map = display.follow(None, &indoors(), Seconds(1.0));
         for world in [1e-9, 0.02, 1.0, 12.34, 5e4] {
-            approx::assert_relative_eq!(map.display_luminance(Nits(world)).0, 2.0 * world, max_relative = 1e-12);
+            approx::assert_relative_eq!(
+                map.display_luminance(Nits(world)).0,
+                2.0 * world,
+                max_relative = 1e-12
+            );
         }
         assert_eq!(display.follow(Some(&map), &outdoors(), Seconds(1.0)), map);
         assert_eq!(pixel(&display, &map, [50.0; 3]), [255; 3]);
@@ -240,9 +271,11 @@ mod tests {
     fn a_low_sun_at_the_white_of_the_display_is_still_orange_red_then_yellow_then_green() {
         let display = Display::default();
         let map = display.map(&outdoors());
-        // Linear sRGB of the percept after 0, 1 and 2 s, at the greatest luminance of the frame or more.
+        // Linear sRGB of the percept after 0, 1 and 2 s, at the greatest luminance of the frame or
+        // more.
         let seen = |rgb: [f32; 3]| pixel(&display, &map, rgb.map(|c| c * 4e6));
-        let [red, yellow, green] = [[3.9, 0.36, -0.2], [2.2, 0.8, -0.3], [-0.6, 1.6, 0.17]].map(seen);
+        let [red, yellow, green] =
+            [[3.9, 0.36, -0.2], [2.2, 0.8, -0.3], [-0.6, 1.6, 0.17]].map(seen);
         assert!(red[0] == 255 && red[1] < 150 && red[2] < red[1], "{red:?}");
         assert!(yellow[0] == 255 && yellow[1] > 180 && yellow[2] < 120, "{yellow:?}");
         assert!(green[1] == 255 && green[0] < 120 && green[2] < 200, "{green:?}");

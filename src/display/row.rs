@@ -1,4 +1,5 @@
-//! Pixels by the block: arithmetic on whole planes, which compilers vectorise, between two passes of table look-ups.
+//! Pixels by the block: arithmetic on whole planes, which compilers vectorise, between two passes
+//! of table look-ups.
 
 use super::{ToneMap, encode, gamut};
 
@@ -31,7 +32,12 @@ pub(super) fn encode_block(
 }
 
 /// Light in, chroma and luminance out.
-fn to_chroma([red, green, blue]: &mut [Plane; 3], luminance: &mut Plane, scale: f32, weights: [f32; 3]) {
+fn to_chroma(
+    [red, green, blue]: &mut [Plane; 3],
+    luminance: &mut Plane,
+    scale: f32,
+    weights: [f32; 3],
+) {
     for i in 0..BLOCK {
         let light = gamut::bounded([red[i] * scale, green[i] * scale, blue[i] * scale]);
         luminance[i] = gamut::luminance(light, weights);
@@ -42,6 +48,7 @@ fn to_chroma([red, green, blue]: &mut [Plane; 3], luminance: &mut Plane, scale: 
 /// Chroma in, linear RGB of the display out.
 fn to_shown([red, green, blue]: &mut [Plane; 3], shares: &Plane, highlights: f32) {
     for i in 0..BLOCK {
-        [red[i], green[i], blue[i]] = gamut::shown([red[i], green[i], blue[i]], shares[i], highlights);
+        [red[i], green[i], blue[i]] =
+            gamut::shown([red[i], green[i], blue[i]], shares[i], highlights);
     }
 }

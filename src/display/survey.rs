@@ -1,7 +1,9 @@
-//! What a tone map needs to know of a frame's unbleached light, gathered row by row while it is decoded.
+//! What a tone map needs to know of a frame's unbleached light, gathered row by row while it is
+//! decoded.
 //!
-//! A fixation takes in about a degree, so the histogram is one of means over cells of a degree (Ward et al. 1997);
-//! the range is that of single pixels, since a cell would dilute the sun. Luminances in cd/m2.
+//! A fixation takes in about a degree, so the histogram is one of means over cells of a degree
+//! (Ward et al. 1997); the range is that of single pixels, since a cell would dilute the sun.
+//! Luminances in cd/m2.
 
 /// The luminances of one frame.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,13 +40,16 @@ pub struct SurveyRow {
 }
 
 impl Cells {
-    /// Fewer cells than this make a poor histogram; the cells of a narrow field are made smaller than a degree.
+    /// Fewer cells than this make a poor histogram; the cells of a narrow field are made smaller
+    /// than a degree.
     const ENOUGH: f64 = 1000.0;
 
     /// Cells of one degree or less, never under one pixel, all of one size within a pixel.
     pub fn new(width: usize, height: usize, pixels_per_degree: f64) -> Self {
-        let side = pixels_per_degree.min((width as f64 * height as f64 / Self::ENOUGH).sqrt()).max(1.0);
-        let along = |pixels: usize| ((pixels as f64 / side).round() as usize).clamp(1, pixels.max(1));
+        let side =
+            pixels_per_degree.min((width as f64 * height as f64 / Self::ENOUGH).sqrt()).max(1.0);
+        let along =
+            |pixels: usize| ((pixels as f64 / side).round() as usize).clamp(1, pixels.max(1));
         Cells { width, height, columns: along(width), rows: along(height) }
     }
 
@@ -61,7 +66,10 @@ impl Cells {
             pixels.iter().map(|v| f64::from(v.max(0.0))).sum::<f64>()
         };
         let cells: Vec<f64> = (0..self.columns).map(cell).collect();
-        let least = luminance.iter().map(|&v| if v > 0.0 { v } else { f32::INFINITY }).fold(f32::INFINITY, f32::min);
+        let least = luminance
+            .iter()
+            .map(|&v| if v > 0.0 { v } else { f32::INFINITY })
+            .fold(f32::INFINITY, f32::min);
         let greatest = luminance.iter().copied().fold(0.0, f32::max);
         let column = luminance.iter().position(|&v| v == greatest).unwrap_or(0);
         SurveyRow { sum: cells.iter().sum(), least, greatest, column, cells }
@@ -82,15 +90,24 @@ impl Cells {
                 (greatest, brightest) = (row.greatest, (row.column, y));
             }
         }
-        let cells = sums.iter().enumerate().map(|(i, total)| (total / self.pixels(i)) as f32).collect();
+        let cells =
+            sums.iter().enumerate().map(|(i, total)| (total / self.pixels(i)) as f32).collect();
         let least = if greatest > 0.0 { least } else { 0.0 };
-        Survey { cells, least, greatest, mean: sum / (self.width * self.height).max(1) as f64, brightest }
+        Survey {
+            cells,
+            least,
+            greatest,
+            mean: sum / (self.width * self.height).max(1) as f64,
+            brightest,
+        }
     }
 
     /// How many pixels cell `i` has.
     fn pixels(&self, i: usize) -> f64 {
-        let side = |i, count, pixels| Self::start(i + 1, count, pixels) - Self::start(i, count, pixels);
-        (side(i % self.columns, self.columns, self.width) * side(i / self.columns, self.rows, self.height)) as f64
+        let side =
+            |i, count, pixels| Self::start(i + 1, count, pixels) - Self::start(i, count, pixels);
+        (side(i % self.columns, self.columns, self.width)
+            * side(i / self.columns, self.rows, self.height)) as f64
     }
 }
 
@@ -104,7 +121,10 @@ mod tests {
 
     #[test]
     fn cells_are_a_degree_wide_in_a_wide_field_and_smaller_in_a_narrow_one() {
-        assert_eq!(Cells::new(1920, 1080, 24.0), Cells { width: 1920, height: 1080, columns: 80, rows: 45 });
+        assert_eq!(
+            Cells::new(1920, 1080, 24.0),
+            Cells { width: 1920, height: 1080, columns: 80, rows: 45 }
+        );
         let narrow = Cells::new(480, 270, 60.0);
         assert!((900..1100).contains(&(narrow.columns * narrow.rows)));
         assert_eq!(Cells::new(7, 3, 1e-3), Cells { width: 7, height: 3, columns: 7, rows: 3 });
@@ -140,7 +160,8 @@ mod tests {
     #[test]
     fn rows_surveyed_by_many_threads_give_the_same_bits() {
         use rayon::prelude::*;
-        let picture: Vec<f32> = (0..64 * 50).map(|i| ((i as f32) * 0.37).sin().abs().powi(9) * 1e9).collect();
+        let picture: Vec<f32> =
+            (0..64 * 50).map(|i| ((i as f32) * 0.37).sin().abs().powi(9) * 1e9).collect();
         let cells = Cells::new(64, 50, 5.0);
         let rows: Vec<SurveyRow> = picture.par_chunks(64).map(|row| cells.row(row)).collect();
         assert_eq!(cells.gather(rows), survey(cells, &picture));

@@ -1,13 +1,14 @@
-//! A monotone map from world to display luminance, tabulated so that maps can be mixed and read fast.
+//! A monotone map from world to display luminance, tabulated so that maps can be mixed and read
+//! fast.
 //!
 //! ```text
 //! ln Ld at 128 luminances to the octave from 2^-20 to 2^40 cd/m2: the bfloat16 numbers of that range
 //! ```
 //!
-//! All maps share these luminances, so that maps of frames with different ranges mix knot by knot, and a map that
-//! is mixed frame after frame never blurs. Between two knots Ld is linear in Lw; below the first it is proportional,
-//! above the last it stays. Against a curve of slope s in log-log that bends by ds at a point, the relative error is
-//! at most |s (s - 1)| 8e-6 + ds / 500.
+//! All maps share these luminances, so that maps of frames with different ranges mix knot by knot,
+//! and a map that is mixed frame after frame never blurs. Between two knots Ld is linear in Lw;
+//! below the first it is proportional, above the last it stays. Against a curve of slope s in
+//! log-log that bends by ds at a point, the relative error is at most |s (s - 1)| 8e-6 + ds / 500.
 
 use crate::units::Nits;
 
@@ -49,20 +50,26 @@ impl ToneMap {
         Self::with((0..KNOTS).map(|i| curve(knot(i).ln())).collect(), black.0, white.0)
     }
 
-    /// The map with these levels; `None` unless they are as many as there are knots, finite, and never fall.
+    /// The map with these levels; `None` unless they are as many as there are knots, finite, and
+    /// never fall.
     pub(super) fn from_levels(levels: Vec<f64>, black: Nits, white: Nits) -> Option<Self> {
-        let sound = levels.len() == KNOTS && levels.iter().all(|v| v.is_finite()) && levels.is_sorted();
+        let sound =
+            levels.len() == KNOTS && levels.iter().all(|v| v.is_finite()) && levels.is_sorted();
         sound.then(|| Self::with(levels, black.0, white.0))
     }
 
     fn with(levels: Vec<f64>, black: f64, white: f64) -> Self {
-        // Shares beyond 1e9 white are all the same to the display, and products of them stay finite.
-        let share = |ln_display: &f64| ((ln_display.exp() - black) / (white - black)).clamp(0.0, 1e9) as f32;
+        // Shares beyond 1e9 white are all the same to the display, and products of them stay
+        // finite.
+        let share = |ln_display: &f64| {
+            ((ln_display.exp() - black) / (white - black)).clamp(0.0, 1e9) as f32
+        };
         let shares = levels.iter().map(share).collect();
         ToneMap { black, white, levels, shares }
     }
 
-    /// ln display luminance at each knot: all that a map remembers. Give it to [`super::Display::restore`].
+    /// ln display luminance at each knot: all that a map remembers. Give it to
+    /// [`super::Display::restore`].
     pub fn levels(&self) -> &[f64] {
         &self.levels
     }
@@ -73,7 +80,11 @@ impl ToneMap {
             return other;
         }
         let mix = |(old, new): (&f64, &f64)| old * (1.0 - share) + new * share;
-        Self::with(self.levels.iter().zip(&other.levels).map(mix).collect(), other.black, other.white)
+        Self::with(
+            self.levels.iter().zip(&other.levels).map(mix).collect(),
+            other.black,
+            other.white,
+        )
     }
 
     /// Display luminance of a world luminance. No light, or less than none, is dark.
@@ -91,7 +102,8 @@ impl ToneMap {
         })
     }
 
-    /// Share of the display's range from black to white that a world luminance gets; never negative or NaN.
+    /// Share of the display's range from black to white that a world luminance gets; never negative
+    /// or NaN.
     #[inline]
     pub(super) fn share(&self, world: f32) -> f32 {
         let within = world.max(Self::LEAST as f32).min(Self::GREATEST as f32 * 0.999_999);

@@ -6,11 +6,13 @@
 //! human ceiling:   f(b) <= T db / ln(Ldmax/Ldmin) [dLt(Ld)/Ld] / [dLt(Lw)/Lw]
 //! ```
 //!
-//! f: count of a bin, db: its width in ln Lw, T: total count, dLt: the least luminance step an adapted eye can see.
-//! Bins are trimmed to their ceiling and the map is made anew until a pass takes away 2.5 % of T or less. Where
-//! little is left, or the world's range fits the display, one scale does.
+//! f: count of a bin, db: its width in ln Lw, T: total count, dLt: the least luminance step an
+//! adapted eye can see. Bins are trimmed to their ceiling and the map is made anew until a pass
+//! takes away 2.5 % of T or less. Where little is left, or the world's range fits the display, one
+//! scale does.
 //!
-//! Ward, Rushmeier & Piatko 1997, IEEE TVCG 3(4), 291-306. Bins and limits are those of Radiance's `pcond`.
+//! Ward, Rushmeier & Piatko 1997, IEEE TVCG 3(4), 291-306. Bins and limits are those of Radiance's
+//! `pcond`.
 
 use super::{Ceiling, Survey, ToneMap};
 use crate::units::Nits;
@@ -55,11 +57,16 @@ impl Adjustment {
             return adjustment(Shape::Scale(0.0));
         }
         let fits = f64::from(survey.greatest) / f64::from(survey.least) <= white.0 / black.0;
-        let trimmed = if fits { None } else { adjustment(Shape::Histogram(Histogram::new(survey))).trimmed() };
+        let trimmed = if fits {
+            None
+        } else {
+            adjustment(Shape::Histogram(Histogram::new(survey))).trimmed()
+        };
         trimmed.unwrap_or_else(|| adjustment(Shape::Scale(scale(survey, ceiling, display))))
     }
 
-    /// ln display luminance of a ln world luminance. Below the range it goes on in proportion, above it is white.
+    /// ln display luminance of a ln world luminance. Below the range it goes on in proportion,
+    /// above it is white.
     pub fn ln_display(&self, ln_world: f64) -> f64 {
         let (black, white) = self.display;
         match &self.shape {
@@ -79,8 +86,12 @@ impl Adjustment {
             if total <= TOLERANCE * first_total {
                 return None;
             }
-            let within: Vec<f64> =
-                current.counts.iter().enumerate().map(|(i, f)| f.min(self.most(current, i, total))).collect();
+            let within: Vec<f64> = current
+                .counts
+                .iter()
+                .enumerate()
+                .map(|(i, f)| f.min(self.most(current, i, total)))
+                .collect();
             let left: f64 = within.iter().sum();
             if total - left <= TOLERANCE * total {
                 return Some(self);
@@ -104,8 +115,9 @@ impl Adjustment {
 }
 
 impl Histogram {
-    /// Counts the cells between the least and the greatest pixel. The range is lengthened downward by one bin, which
-    /// gets half of what its neighbour holds, so that the darkest things are not black.
+    /// Counts the cells between the least and the greatest pixel. The range is lengthened downward
+    /// by one bin, which gets half of what its neighbour holds, so that the darkest things are not
+    /// black.
     fn new(survey: &Survey) -> Self {
         let (least, top) = ln_range(survey);
         let bin = (top - least) / (BINS - 1) as f64;
@@ -139,13 +151,18 @@ impl Histogram {
     fn share_below(&self, ln_world: f64) -> f64 {
         let at = (ln_world - self.bottom) / self.bin;
         let i = at as usize;
-        if i >= BINS { 1.0 } else { self.below[i] + (self.below[i + 1] - self.below[i]) * (at - i as f64) }
+        if i >= BINS {
+            1.0
+        } else {
+            self.below[i] + (self.below[i + 1] - self.below[i]) * (at - i as f64)
+        }
     }
 }
 
-/// ln of the one scale that puts the middle of the display's range where the mean of the frame is: with the human
-/// ceiling so that steps are as visible as in the world (Ward 1994), with the linear one at the same place. Never
-/// so bright that the greatest pixel exceeds white, unless the least would sink below black.
+/// ln of the one scale that puts the middle of the display's range where the mean of the frame is:
+/// with the human ceiling so that steps are as visible as in the world (Ward 1994), with the linear
+/// one at the same place. Never so bright that the greatest pixel exceeds white, unless the least
+/// would sink below black.
 fn scale(survey: &Survey, ceiling: Ceiling, display: (f64, f64)) -> f64 {
     let (count, sum) = ln_cells(survey).fold((0.0, 0.0), |(n, sum), ln| (n + 1.0, sum + ln));
     let (world, middle) = (sum / f64::max(count, 1.0), (display.0 + display.1) / 2.0);
@@ -166,11 +183,15 @@ fn ln_range(survey: &Survey) -> (f64, f64) {
 /// ln luminance of all cells that give light, within the range of the pixels.
 fn ln_cells(survey: &Survey) -> impl Iterator<Item = f64> + '_ {
     let (least, greatest) = ln_range(survey);
-    survey.cells.iter().filter(|&&cell| cell > 0.0).map(move |&cell| f64::from(cell).ln().clamp(least, greatest))
+    survey
+        .cells
+        .iter()
+        .filter(|&&cell| cell > 0.0)
+        .map(move |&cell| f64::from(cell).ln().clamp(least, greatest))
 }
 
-/// The least visible step of luminance at an adapting luminance, both cd/m2: the better of rods and cones
-/// (Ferwerda, Pattanaik, Shirley & Greenberg 1996, as fitted in Ward et al. 1997).
+/// The least visible step of luminance at an adapting luminance, both cd/m2: the better of rods and
+/// cones (Ferwerda, Pattanaik, Shirley & Greenberg 1996, as fitted in Ward et al. 1997).
 fn threshold(luminance: f64) -> f64 {
     let x = luminance.log10();
     let log_step = match x {
@@ -201,16 +222,25 @@ mod tests {
         survey(cells, least, greatest)
     }
 
-    /// Columns of the table that Radiance's `pcond` gave for a flat histogram from 10^-2 to 10^4.1 cd/m2.
+    /// Columns of the table that Radiance's `pcond` gave for a flat histogram from 10^-2 to 10^4.1
+    /// cd/m2.
     fn pcond() -> Vec<[f64; 3]> {
         let lines = include_str!("../../data/ward_flat.csv").lines().skip(2);
         let number = |field: &str| field.parse().expect("a number");
-        lines.map(|line| line.split(',').map(number).collect::<Vec<f64>>().try_into().expect("three columns")).collect()
+        lines
+            .map(|line| {
+                line.split(',').map(number).collect::<Vec<f64>>().try_into().expect("three columns")
+            })
+            .collect()
     }
 
     #[test]
     fn a_flat_histogram_gets_the_map_that_radiance_gives_it() {
-        let flat = survey((0..=60).map(|i| 10f32.powf(-2.0 + 0.1 * i as f32)).collect(), 0.01, 10f32.powf(4.1));
+        let flat = survey(
+            (0..=60).map(|i| 10f32.powf(-2.0 + 0.1 * i as f32)).collect(),
+            0.01,
+            10f32.powf(4.1),
+        );
         let table = pcond();
         assert_eq!(table.len(), BINS);
         for (ceiling, column) in [(Ceiling::Human, 1), (Ceiling::Linear, 2)] {
@@ -224,7 +254,9 @@ mod tests {
 
     #[test]
     fn the_linear_ceiling_never_shows_more_contrast_than_the_world_has() {
-        let cells = (0..3000).map(|i| if i < 2700 { 3e3 + i as f32 / 10.0 } else { 20.0 + i as f32 }).collect();
+        let cells = (0..3000)
+            .map(|i| if i < 2700 { 3e3 + i as f32 / 10.0 } else { 20.0 + i as f32 })
+            .collect();
         let map = Adjustment::new(&survey(cells, 10.0, 7e5), Ceiling::Linear, BLACK, WHITE);
         for i in 0..400 {
             let ln = 2.0 + 0.03 * i as f64;
@@ -237,8 +269,14 @@ mod tests {
     fn a_world_that_fits_the_display_is_shown_in_one_scale_and_within_white() {
         for ceiling in [Ceiling::Human, Ceiling::Linear] {
             for (least, greatest) in [(30.0, 2900.0), (0.01, 0.5), (5e4, 5e4)] {
-                let map = Adjustment::new(&of(vec![least, (least * greatest).sqrt(), greatest]), ceiling, BLACK, WHITE);
-                let ratio = |world: f32| map.ln_display(f64::from(world).ln()) - f64::from(world).ln();
+                let map = Adjustment::new(
+                    &of(vec![least, (least * greatest).sqrt(), greatest]),
+                    ceiling,
+                    BLACK,
+                    WHITE,
+                );
+                let ratio =
+                    |world: f32| map.ln_display(f64::from(world).ln()) - f64::from(world).ln();
                 approx::assert_relative_eq!(ratio(least), ratio(greatest), epsilon = 1e-12);
                 assert!(map.ln_display(f64::from(greatest).ln()) <= f64::ln(100.0) + 1e-12);
             }
@@ -258,7 +296,9 @@ mod tests {
     #[test]
     fn a_night_that_is_hard_to_see_is_shown_dark_under_the_human_ceiling() {
         let night = of(vec![1e-3, 1e-2, 5e-2]);
-        let shown = |ceiling| Adjustment::new(&night, ceiling, BLACK, WHITE).ln_display(f64::ln(0.01)).exp();
+        let shown = |ceiling| {
+            Adjustment::new(&night, ceiling, BLACK, WHITE).ln_display(f64::ln(0.01)).exp()
+        };
         assert!(shown(Ceiling::Human) < 0.5 * shown(Ceiling::Linear));
     }
 

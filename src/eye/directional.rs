@@ -5,10 +5,10 @@
 //! pupil mean:  eta = (1 - 10^(-p R^2)) / (p R^2 ln 10)
 //! ```
 //!
-//! r, R: mm in the plane of the pupil; p: mm^-2. The weight depends on wavelength only through p, so it is a
-//! function of p interpolated through a few fixed levels of p ([`Directional::levels`]): the light is projected
-//! once, whatever the pupil does later. How many levels is chosen so that no pupil errs by more than
-//! [`LEVEL_BOUND`]; a test measures it.
+//! r, R: mm in the plane of the pupil; p: mm^-2. The weight depends on wavelength only through p,
+//! so it is a function of p interpolated through a few fixed levels of p ([`Directional::levels`]):
+//! the light is projected once, whatever the pupil does later. How many levels is chosen so that no
+//! pupil errs by more than [`LEVEL_BOUND`]; a test measures it.
 
 use std::f64::consts::{LN_10, PI};
 
@@ -21,8 +21,8 @@ use super::pupil::{LARGEST, SMALLEST};
 /// Largest relative error of eta from its levels, over all wavelengths and pupils.
 pub const LEVEL_BOUND: f64 = 1e-5;
 
-/// Density of lens that a ray at the pupil's margin does not cross, per unit of lens density, mm^-2: derived for a
-/// lens of 3.6 mm with radii of 10 and 6 mm.
+/// Density of lens that a ray at the pupil's margin does not cross, per unit of lens density,
+/// mm^-2: derived for a lens of 3.6 mm with radii of 10 and 6 mm.
 const LENS_CORRECTION: f64 = 0.037;
 
 /// Where the effect is taken to act.
@@ -30,7 +30,8 @@ const LENS_CORRECTION: f64 = 0.037;
 pub enum Reading {
     /// An extended source fills the pupil: its mean over the pupil.
     Pupil,
-    /// The paper's: r is the picture's distance from the gaze point, at this scale, up to the pupil's edge.
+    /// The paper's: r is the picture's distance from the gaze point, at this scale, up to the
+    /// pupil's edge.
     Paper { mm_per_degree: f64 },
     /// No effect.
     Off,
@@ -41,8 +42,8 @@ pub enum Reading {
 pub enum Steepness {
     /// Berendschot et al. 2001.
     Measured,
-    /// The measured curve plus what a marginal ray is spared by the lens (after Mellerio 1971). Counts the lens
-    /// twice with fundamentals that are measured at the cornea.
+    /// The measured curve plus what a marginal ray is spared by the lens (after Mellerio 1971).
+    /// Counts the lens twice with fundamentals that are measured at the cornea.
     LensCorrected,
     /// The same at every wavelength, mm^-2.
     Constant(f64),
@@ -62,13 +63,21 @@ impl Directional {
     pub fn new(reading: Reading, steepness: Steepness) -> Self {
         let p = steepness.curve();
         if reading == Reading::Off {
-            return Directional { reading, steepness: p, levels: vec![0.0], shares: vec![Curve::sampled(|_| 1.0)] };
+            return Directional {
+                reading,
+                steepness: p,
+                levels: vec![0.0],
+                shares: vec![Curve::sampled(|_| 1.0)],
+            };
         }
         let (low, high) = p.0.iter().fold((f64::MAX, f64::MIN), |(a, b), &v| (a.min(v), b.max(v)));
-        let count =
-            (1..=MOST_LEVELS).find(|&n| worst_error(reading, low, high, n) < LEVEL_BOUND).unwrap_or(MOST_LEVELS);
+        let count = (1..=MOST_LEVELS)
+            .find(|&n| worst_error(reading, low, high, n) < LEVEL_BOUND)
+            .unwrap_or(MOST_LEVELS);
         let levels = nodes(low, high, count);
-        let shares = (0..count).map(|j| Curve(p.0.iter().map(|&v| lagrange(&levels, v)[j]).collect())).collect();
+        let shares = (0..count)
+            .map(|j| Curve(p.0.iter().map(|&v| lagrange(&levels, v)[j]).collect()))
+            .collect();
         Directional { reading, steepness: p, levels, shares }
     }
 
@@ -82,7 +91,8 @@ impl Directional {
         &self.shares
     }
 
-    /// Millimetres on the pupil's plane per degree of distance from the gaze; `None` where place does not matter.
+    /// Millimetres on the pupil's plane per degree of distance from the gaze; `None` where place
+    /// does not matter.
     pub fn mm_per_degree(&self) -> Option<f64> {
         match self.reading {
             Reading::Paper { mm_per_degree } => Some(mm_per_degree),
@@ -93,7 +103,9 @@ impl Directional {
     /// eta of each level for a pupil, at `r` from its centre (which only the paper's reading uses).
     /// Zeros follow where there are fewer than [`MOST_LEVELS`].
     pub fn weights(&self, pupil: Millimetres, r: Millimetres) -> [f64; MOST_LEVELS] {
-        std::array::from_fn(|j| self.levels.get(j).map_or(0.0, |&p| eta(self.reading, p, pupil.0, r.0)))
+        std::array::from_fn(|j| {
+            self.levels.get(j).map_or(0.0, |&p| eta(self.reading, p, pupil.0, r.0))
+        })
     }
 
     /// eta at every wavelength, from p(lambda) itself (paper Eq. 5, or its mean over the pupil).
@@ -119,9 +131,14 @@ impl Steepness {
         let measured = || Curve::sampled(|nm| STILES_CRAWFORD.interpolated("p", nm));
         match self {
             Steepness::Measured => measured(),
-            Steepness::LensCorrected => {
-                Curve(measured().0.iter().zip(&lens_density().0).map(|(p, lens)| p + LENS_CORRECTION * lens).collect())
-            }
+            Steepness::LensCorrected => Curve(
+                measured()
+                    .0
+                    .iter()
+                    .zip(&lens_density().0)
+                    .map(|(p, lens)| p + LENS_CORRECTION * lens)
+                    .collect(),
+            ),
             Steepness::Constant(p) => Curve::sampled(|_| p),
         }
     }
@@ -154,7 +171,12 @@ fn nodes(low: f64, high: f64, count: usize) -> Vec<f64> {
 /// Lagrange weights of the nodes at a point.
 pub(crate) fn lagrange(nodes: &[f64], at: f64) -> Vec<f64> {
     let weight = |j: usize| {
-        nodes.iter().enumerate().filter(|&(i, _)| i != j).map(|(_, n)| (at - n) / (nodes[j] - n)).product::<f64>()
+        nodes
+            .iter()
+            .enumerate()
+            .filter(|&(i, _)| i != j)
+            .map(|(_, n)| (at - n) / (nodes[j] - n))
+            .product::<f64>()
     };
     (0..nodes.len()).map(weight).collect()
 }
@@ -189,7 +211,9 @@ mod tests {
     #[test]
     fn levels_reproduce_the_weight_of_every_wavelength_and_pupil_within_the_bound() {
         for reading in [Reading::Pupil, Reading::Paper { mm_per_degree: 0.29 }] {
-            for steepness in [Steepness::Measured, Steepness::LensCorrected, Steepness::Constant(0.06)] {
+            for steepness in
+                [Steepness::Measured, Steepness::LensCorrected, Steepness::Constant(0.06)]
+            {
                 let weight = Directional::new(reading, steepness);
                 let p = steepness.curve();
                 for d in [2.0, 3.3, 5.0, 8.0] {

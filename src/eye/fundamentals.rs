@@ -5,9 +5,9 @@
 //! s_k(lambda; p) = q_k(lambda; p) / max q_k(.; 1)
 //! ```
 //!
-//! a: absorbance with unit peak; D: peak axial optical density; p: unbleached fraction; energy units. Sources:
-//! CIE 170-1:2006 after Stockman & Sharpe 2000 (Vision Research 40, 1711-1737); Stockman, MacLeod & Johnson 1993
-//! (JOSA A 10, 2491-2521), which the paper of 2005 uses.
+//! a: absorbance with unit peak; D: peak axial optical density; p: unbleached fraction; energy
+//! units. Sources: CIE 170-1:2006 after Stockman & Sharpe 2000 (Vision Research 40, 1711-1737);
+//! Stockman, MacLeod & Johnson 1993 (JOSA A 10, 2491-2521), which the paper of 2005 uses.
 
 use crate::spectrum::{CIE1964, CONE_PIECES, Curve};
 
@@ -33,15 +33,20 @@ pub enum Field {
 /// Peak of the tabulated macular density, 2 degrees, and the peak at 10 degrees (CIE 170-1:2006).
 const MACULA_PEAK: (f64, f64) = (0.35, 0.095);
 
-/// L, M, S as linear forms of the CIE 1964 functions (Stockman, MacLeod & Johnson 1993, unit peaks).
-const SMJ_FROM_XYZ10: [[f64; 3]; 3] =
-    [[0.236157, 0.826427, -0.045710], [-0.431117, 1.206922, 0.090020], [0.040557, -0.019683, 0.486195]];
+/// L, M, S as linear forms of the CIE 1964 functions (Stockman, MacLeod & Johnson 1993, unit
+/// peaks).
+const SMJ_FROM_XYZ10: [[f64; 3]; 3] = [
+    [0.236157, 0.826427, -0.045710],
+    [-0.431117, 1.206922, 0.090020],
+    [0.040557, -0.019683, 0.486195],
+];
 
 /// Beyond this wavelength, nm, the S cone of the 1993 set follows log10 S = a / lambda - b.
 const SMJ_S_TAIL: (f64, f64, f64) = (520.0, 10402.1, 21.7185);
 
 impl Set {
-    /// Peak axial densities of L, M, S: CIE 170-1:2006; 0.30 for the 1993 set, whose narrowing takes that value.
+    /// Peak axial densities of L, M, S: CIE 170-1:2006; 0.30 for the 1993 set, whose narrowing
+    /// takes that value.
     pub fn optical_density(self, field: Field) -> [f64; 3] {
         match (self, field) {
             (Set::Cie2006, Field::TenDegrees) => [0.38, 0.38, 0.30],
@@ -50,15 +55,20 @@ impl Set {
         }
     }
 
-    /// LMS -> XYZ (CIE 170-2:2015); for the 1993 set the inverse of its matrix, not exact in Z beyond 520 nm.
+    /// LMS -> XYZ (CIE 170-2:2015); for the 1993 set the inverse of its matrix, not exact in Z
+    /// beyond 520 nm.
     pub fn lms_to_xyz(self, field: Field) -> [[f64; 3]; 3] {
         match (self, field) {
-            (Set::Cie2006, Field::TenDegrees) => {
-                [[1.93986443, -1.34664359, 0.43044935], [0.69283932, 0.34967567, 0.0], [0.0, 0.0, 2.14687945]]
-            }
-            (Set::Cie2006, Field::TwoDegrees) => {
-                [[1.94735469, -1.41445123, 0.36476327], [0.68990272, 0.34832189, 0.0], [0.0, 0.0, 1.93485343]]
-            }
+            (Set::Cie2006, Field::TenDegrees) => [
+                [1.93986443, -1.34664359, 0.43044935],
+                [0.69283932, 0.34967567, 0.0],
+                [0.0, 0.0, 2.14687945],
+            ],
+            (Set::Cie2006, Field::TwoDegrees) => [
+                [1.94735469, -1.41445123, 0.36476327],
+                [0.68990272, 0.34832189, 0.0],
+                [0.0, 0.0, 1.93485343],
+            ],
             (Set::Smj1993, _) => [
                 [1.85618309, -1.26433791, 0.40860525],
                 [0.67255343, 0.36795030, -0.00489612],
@@ -79,7 +89,8 @@ pub struct Fundamentals {
 impl Fundamentals {
     /// The set at a field size and peak densities.
     pub fn new(set: Set, field: Field, density: [f64; 3]) -> Self {
-        let absorbance = ["l", "m", "s"].map(|cone| piece(&format!("log10_absorbance_{cone}"), |log| 10f64.powf(log)));
+        let absorbance = ["l", "m", "s"]
+            .map(|cone| piece(&format!("log10_absorbance_{cone}"), |log| 10f64.powf(log)));
         let unbleached = match set {
             Set::Cie2006 => [0, 1, 2].map(|k| from_parts(&absorbance[k], density[k], field)),
             Set::Smj1993 => smj(),
@@ -92,7 +103,8 @@ impl Fundamentals {
         self.density
     }
 
-    /// s_k(.; 1): energy units, unit peak (of the 1993 set to 2e-4, as its printed coefficients have it).
+    /// s_k(.; 1): energy units, unit peak (of the 1993 set to 2e-4, as its printed coefficients
+    /// have it).
     pub fn unbleached(&self, cone: usize) -> &Curve {
         &self.unbleached[cone]
     }
@@ -108,11 +120,20 @@ impl Fundamentals {
             return self.unbleached[cone].clone();
         }
         let d = self.density[cone];
-        let ratio = |a: f64| absorptance_per_pigment(d * a, p) / absorptance_per_pigment(d * a, 1.0);
-        Curve(self.unbleached[cone].0.iter().zip(&self.absorbance[cone].0).map(|(s, &a)| s * ratio(a)).collect())
+        let ratio =
+            |a: f64| absorptance_per_pigment(d * a, p) / absorptance_per_pigment(d * a, 1.0);
+        Curve(
+            self.unbleached[cone]
+                .0
+                .iter()
+                .zip(&self.absorbance[cone].0)
+                .map(|(s, &a)| s * ratio(a))
+                .collect(),
+        )
     }
 
-    /// Largest value of s_k(.; p) / p, relative to that at p = 1: divides a catch in the `narrowed` reading.
+    /// Largest value of s_k(.; p) / p, relative to that at p = 1: divides a catch in the `narrowed`
+    /// reading.
     pub fn peak_per_pigment(&self, cone: usize, p: f64) -> f64 {
         self.per_pigment(cone, p).peak() / self.unbleached[cone].peak()
     }
@@ -145,7 +166,11 @@ fn from_parts(absorbance: &Curve, density: f64, field: Field) -> Curve {
         .zip(CONE_PIECES.column("macular_density"))
         .map(|(lens, mac)| 10f64.powf(-(lens + macula * mac)))
         .collect();
-    let quanta = absorbance.0.iter().zip(filter).map(|(&a, t)| absorptance_per_pigment(density * a, 1.0) * t);
+    let quanta = absorbance
+        .0
+        .iter()
+        .zip(filter)
+        .map(|(&a, t)| absorptance_per_pigment(density * a, 1.0) * t);
     let energy = Curve(quanta.zip(Curve::wavelengths()).map(|(q, nm)| q * nm).collect());
     energy.scaled(1.0 / energy.peak())
 }
@@ -196,7 +221,11 @@ mod tests {
         for (p, peaks, widths) in expected {
             for cone in 0..3 {
                 let curve = eye.depleted(cone, p);
-                assert!((curve.peak() - peaks[cone]).abs() < 6e-5, "peak {cone} {p}: {}", curve.peak());
+                assert!(
+                    (curve.peak() - peaks[cone]).abs() < 6e-5,
+                    "peak {cone} {p}: {}",
+                    curve.peak()
+                );
                 let (_, width) = curve.peak_and_width();
                 assert!((width - widths[cone]).abs() < 0.006, "width {cone} {p}: {width}");
             }
@@ -218,7 +247,8 @@ mod tests {
             let v: f64 = y.iter().zip(areas).map(|(m, s)| m * s).sum();
             for cone in 0..3 {
                 let c = v / areas[cone];
-                // The published digits agree to 5.2e-5; the tabulated set itself gives .990851, 1.162627, 2.146880.
+                // The published digits agree to 5.2e-5; the tabulated set itself gives .990851,
+                // 1.162627, 2.146880.
                 assert!((c / expected[cone] - 1.0).abs() < 6e-5, "{set:?} {field:?} {cone}: {c}");
             }
         }

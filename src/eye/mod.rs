@@ -1,4 +1,5 @@
-//! The observer: what light means to one place on the retina. Knows nothing of time, pictures or files.
+//! The observer: what light means to one place on the retina. Knows nothing of time, pictures or
+//! files.
 
 pub mod directional;
 pub mod fundamentals;
@@ -15,7 +16,8 @@ pub use pupil::{Adapting, Dynamics, Pupil, Rule};
 /// What "narrowing the fundamentals by the bleaching percentage" means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Narrowing {
-    /// Divided by the unbleached peak: a bleached cone also catches less. This is what turns red to green.
+    /// Divided by the unbleached peak: a bleached cone also catches less. This is what turns red to
+    /// green.
     Depleted,
     /// Each divided by its own peak: the shape of the paper's Fig. 3, bottom.
     Narrowed,
@@ -36,7 +38,13 @@ pub struct Observer {
 
 impl Observer {
     /// An observer with a published set of fundamentals at a field size and peak optical densities.
-    pub fn new(set: Set, field: Field, density: [f64; 3], narrowing: Narrowing, directional: Directional) -> Self {
+    pub fn new(
+        set: Set,
+        field: Field,
+        density: [f64; 3],
+        narrowing: Narrowing,
+        directional: Directional,
+    ) -> Self {
         let fundamentals = Fundamentals::new(set, field, density);
         let lms_to_xyz = set.lms_to_xyz(field);
         let areas = [0, 1, 2].map(|k| fundamentals.unbleached(k).integral());
@@ -53,7 +61,8 @@ impl Observer {
         }
     }
 
-    /// The standard observer: CIE 2006, 10 degrees, 30 years, two eyes, Stiles-Crawford over the pupil.
+    /// The standard observer: CIE 2006, 10 degrees, 30 years, two eyes, Stiles-Crawford over the
+    /// pupil.
     pub fn standard() -> Self {
         let (set, field) = (Set::Cie2006, Field::TenDegrees);
         let directional = Directional::new(Reading::Pupil, Steepness::Measured);
@@ -65,16 +74,23 @@ impl Observer {
         self.cone_troland
     }
 
-    /// This observer's luminous efficiency: the Y row of LMS -> XYZ. 10.9 % above CIE 1931 for equal energy.
+    /// This observer's luminous efficiency: the Y row of LMS -> XYZ. 10.9 % above CIE 1931 for
+    /// equal energy.
     pub fn luminous_efficiency(&self) -> Curve {
         let y = self.lms_to_xyz[1];
         let [l, m, s] = [0, 1, 2].map(|k| self.fundamentals.unbleached(k));
         Curve((0..l.0.len()).map(|i| y[0] * l.0[i] + y[1] * m.0[i] + y[2] * s.0[i]).collect())
     }
 
-    /// Cone illuminance of a spectral radiance known at every nm, from the definition, without levels or bands:
-    /// I_k = 683 c_k A integral L eta s_k (paper Eq. 2, 6, 7). `r`: distance from the pupil's centre.
-    pub fn illuminance(&self, radiance: &Curve, pupil: Millimetres, r: Millimetres) -> [Trolands; 3] {
+    /// Cone illuminance of a spectral radiance known at every nm, from the definition, without
+    /// levels or bands: I_k = 683 c_k A integral L eta s_k (paper Eq. 2, 6, 7). `r`: distance from
+    /// the pupil's centre.
+    pub fn illuminance(
+        &self,
+        radiance: &Curve,
+        pupil: Millimetres,
+        r: Millimetres,
+    ) -> [Trolands; 3] {
         let weighted = radiance.times(&self.directional.exact(pupil, r));
         [0, 1, 2].map(|k| {
             let integral = weighted.times(self.fundamentals.unbleached(k)).integral();
@@ -82,8 +98,8 @@ impl Observer {
         })
     }
 
-    /// Catches of a spectral radiance known at every nm through pigments at `p`, from the definition; in units
-    /// whose Y row gives cd/m2.
+    /// Catches of a spectral radiance known at every nm through pigments at `p`, from the
+    /// definition; in units whose Y row gives cd/m2.
     pub fn catch(&self, radiance: &Curve, p: [f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|k| {
             let depleted = radiance.times(&self.fundamentals.depleted(k, p[k])).integral();
@@ -91,7 +107,8 @@ impl Observer {
         })
     }
 
-    /// What a catch is divided by for the narrowing: the peak of s_k(.; p), relative to that at p = 1, or 1.
+    /// What a catch is divided by for the narrowing: the peak of s_k(.; p), relative to that at p =
+    /// 1, or 1.
     pub fn own_peak(&self, cone: usize, p: f64) -> f64 {
         match self.narrowing {
             Narrowing::Depleted => 1.0,

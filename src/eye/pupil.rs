@@ -1,9 +1,9 @@
 //! The pupil: its diameter from the adapting luminance, and how fast it follows.
 //!
-//! The paper prints both classical formulas (its Eq. 3 and 4) with a unit shift of the wrong sign; the published
-//! forms, for cd/m2, are the defaults here and the printed ones stay available by name.
-//! Moon & Spencer 1944 (JOSA 34, 319); de Groot & Gebhard 1952 (JOSA 42, 492); Watson & Yellott 2012 (Journal of
-//! Vision 12(10):12).
+//! The paper prints both classical formulas (its Eq. 3 and 4) with a unit shift of the wrong sign;
+//! the published forms, for cd/m2, are the defaults here and the printed ones stay available by
+//! name. Moon & Spencer 1944 (JOSA 34, 319); de Groot & Gebhard 1952 (JOSA 42, 492); Watson &
+//! Yellott 2012 (Journal of Vision 12(10):12).
 
 use std::collections::VecDeque;
 
@@ -75,7 +75,8 @@ pub fn area(diameter: Millimetres) -> f64 {
     std::f64::consts::PI * diameter.0 * diameter.0 / 4.0
 }
 
-/// How a pupil follows its rule: a delay, then a first-order filter on the diameter. Zeros: at once.
+/// How a pupil follows its rule: a delay, then a first-order filter on the diameter. Zeros: at
+/// once.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Dynamics {
     pub delay: Seconds,
@@ -133,7 +134,8 @@ impl Pupil {
         self.diameter = Some(d + share * (target - d));
     }
 
-    /// Everything the next frame depends on, as numbers: the time, the diameter, then the targets in pairs.
+    /// Everything the next frame depends on, as numbers: the time, the diameter, then the targets
+    /// in pairs.
     pub fn to_numbers(&self) -> Vec<f64> {
         let mut numbers = vec![self.now, self.diameter.unwrap_or(f64::NAN)];
         numbers.extend(self.targets.iter().flat_map(|&(from, d)| [from, d]));
@@ -194,13 +196,17 @@ mod tests {
     fn a_pupil_without_dynamics_is_its_rule() {
         let mut pupil = Pupil::new(Rule::MoonSpencer, Dynamics::default());
         for nits in [1.0, 1e4, 3.0] {
-            assert_eq!(pupil.follow(uniform(nits), Seconds(0.1)), Rule::MoonSpencer.diameter(uniform(nits)));
+            assert_eq!(
+                pupil.follow(uniform(nits), Seconds(0.1)),
+                Rule::MoonSpencer.diameter(uniform(nits))
+            );
         }
     }
 
     #[test]
     fn a_pupil_waits_then_closes_exponentially_whatever_the_frame_rate() {
-        let dynamics = Dynamics { delay: Seconds(0.22), closing: Seconds(0.3), opening: Seconds(0.9) };
+        let dynamics =
+            Dynamics { delay: Seconds(0.22), closing: Seconds(0.3), opening: Seconds(0.9) };
         let closed_form = |t: f64| {
             let (from, to) = (4.9, Rule::MoonSpencer.diameter(uniform(1e4)).0);
             to + (from - to) * (-(t - 0.22f64).max(0.0) / 0.3).exp()
@@ -218,13 +224,17 @@ mod tests {
 
     #[test]
     fn a_pupil_goes_on_from_its_numbers_bit_for_bit() {
-        let dynamics = Dynamics { delay: Seconds(0.22), closing: Seconds(0.3), opening: Seconds(0.9) };
+        let dynamics =
+            Dynamics { delay: Seconds(0.22), closing: Seconds(0.3), opening: Seconds(0.9) };
         let mut one = Pupil::new(Rule::MoonSpencer, dynamics);
         for nits in [1.0, 1e4, 2.0] {
             one.follow(uniform(nits), Seconds(0.1));
         }
         let mut other = Pupil::new(Rule::MoonSpencer, dynamics);
         other.restore(&one.to_numbers());
-        assert_eq!(one.follow(uniform(5.0), Seconds(0.1)), other.follow(uniform(5.0), Seconds(0.1)));
+        assert_eq!(
+            one.follow(uniform(5.0), Seconds(0.1)),
+            other.follow(uniform(5.0), Seconds(0.1))
+        );
     }
 }

@@ -11,7 +11,10 @@ pub trait Sink: Write + Seek {}
 impl<T: Write + Seek> Sink for T {}
 
 /// Writes a file through `fill`. Until it has returned, and when it fails, `path` stays as it was.
-pub fn write_whole(path: &Path, fill: impl FnOnce(&mut dyn Sink) -> std::io::Result<()>) -> Result<()> {
+pub fn write_whole(
+    path: &Path,
+    fill: impl FnOnce(&mut dyn Sink) -> std::io::Result<()>,
+) -> Result<()> {
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),

@@ -84,7 +84,13 @@ pub(super) struct Census {
 
 impl Census {
     /// Counts samples of one plane from column `x` of row `y` on, then mends them.
-    pub fn admit<T: Sample>(&mut self, samples: &mut [T], plane: usize, at: (usize, usize), mending: Mending) {
+    pub fn admit<T: Sample>(
+        &mut self,
+        samples: &mut [T],
+        plane: usize,
+        at: (usize, usize),
+        mending: Mending,
+    ) {
         self.count(samples, plane, at.0, at.1);
         if mending.measured {
             self.measure(samples);
@@ -128,7 +134,8 @@ impl Census {
         }
     }
 
-    /// Both together; the first wild sample is the one that stands higher, then in the earlier plane.
+    /// Both together; the first wild sample is the one that stands higher, then in the earlier
+    /// plane.
     pub fn plus(self, other: Census) -> Census {
         let order = |wild: &Wild| (wild.y, wild.plane, wild.x);
         Census {
@@ -145,7 +152,8 @@ pub(super) struct Mending {
     pub negative: Negative,
     /// What stands for infinity, once the frame's largest value is known.
     pub infinity: Option<f32>,
-    /// Whether the largest finite value is looked for, against the day that it must stand for infinity.
+    /// Whether the largest finite value is looked for, against the day that it must stand for
+    /// infinity.
     pub measured: bool,
 }
 
@@ -177,8 +185,13 @@ impl Mending {
     }
 }
 
-/// Whether a frame with this census is to be read again with its infinities mended; the problem where it is refused.
-pub(super) fn verdict(census: &Census, policy: NonFinite, channel: impl Fn(usize) -> String) -> Result<bool, String> {
+/// Whether a frame with this census is to be read again with its infinities mended; the problem
+/// where it is refused.
+pub(super) fn verdict(
+    census: &Census,
+    policy: NonFinite,
+    channel: impl Fn(usize) -> String,
+) -> Result<bool, String> {
     match (census.first, policy) {
         (None, _) => Ok(false),
         (Some(_), NonFinite::Clamp) => Ok(true),
@@ -216,7 +229,8 @@ mod tests {
     #[test]
     fn infinity_becomes_the_largest_value_and_the_rest_dark() {
         let mut values = [1.0, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -3.0];
-        Mending { negative: Negative::Clamp, infinity: Some(7.0), measured: false }.mend(&mut values);
+        Mending { negative: Negative::Clamp, infinity: Some(7.0), measured: false }
+            .mend(&mut values);
         assert_eq!(values, [1.0, 0.0, 7.0, 0.0, 0.0]);
         Mending { negative: Negative::Keep, infinity: None, measured: false }.mend(&mut values);
         assert_eq!(values[2], 7.0);

@@ -50,7 +50,11 @@ fn rgb(offer: &Offer, channels: [usize; 3]) -> Choice {
     Choice { kind, channels: channels.to_vec(), scale: Vec::new(), notes }
 }
 
-fn spectral(offer: &Offer, options: &ReadOptions, found: &[(usize, Band)]) -> Result<Choice, String> {
+fn spectral(
+    offer: &Offer,
+    options: &ReadOptions,
+    found: &[(usize, Band)],
+) -> Result<Choice, String> {
     if let Some(pair) = found.windows(2).find(|pair| pair[0].1.centre == pair[1].1.centre) {
         let (a, b) = (&offer.names[pair[0].0], &offer.names[pair[1].0]);
         return Err(format!("channels `{a}` and `{b}` both stand for {} nm", pair[0].1.centre));
@@ -61,7 +65,8 @@ fn spectral(offer: &Offer, options: &ReadOptions, found: &[(usize, Band)]) -> Re
     } else {
         Bands::from_centres(&found.iter().map(|found| found.1.centre).collect::<Vec<_>>())
     };
-    let bands = bands.ok_or("the wavelengths of its bands must be positive, with limits around each centre")?;
+    let bands = bands
+        .ok_or("the wavelengths of its bands must be positive, with limits around each centre")?;
     let channels: Vec<usize> = found.iter().map(|found| found.0).collect();
     let scale = bands.as_slice().iter().map(|band| match options.quantity {
         Quantity::Density => options.scale,
@@ -92,13 +97,22 @@ fn bands_of(offer: &Offer, how: &ChannelNames) -> Result<Vec<(usize, Band)>, Str
             let bands = Bands::uniform(*from, *to, found.len()).filter(|_| gapless).ok_or_else(|| {
                 format!("the numbers under `{pattern}` have a gap, or {from} to {to} nm is not a range of wavelengths")
             })?;
-            Ok(found.into_iter().map(|found| found.0).zip(bands.as_slice().iter().copied()).collect())
+            Ok(found
+                .into_iter()
+                .map(|found| found.0)
+                .zip(bands.as_slice().iter().copied())
+                .collect())
         }
         ChannelNames::Listed(list) => {
             let band = |(name, centre, width): &(String, f64, f64)| {
                 let at = offer.names.iter().position(|n| n == name);
-                let at = at.ok_or_else(|| format!("no channel `{name}`; it has {}", listed(offer.names)))?;
-                Ok((at, Band { centre: *centre, low: centre - width / 2.0, high: centre + width / 2.0 }))
+                let at = at.ok_or_else(|| {
+                    format!("no channel `{name}`; it has {}", listed(offer.names))
+                })?;
+                Ok((
+                    at,
+                    Band { centre: *centre, low: centre - width / 2.0, high: centre + width / 2.0 },
+                ))
             };
             list.iter().map(band).collect()
         }
@@ -110,16 +124,23 @@ fn recognised(offer: &Offer) -> Result<Vec<(usize, Band)>, String> {
     let bands_where = |pick: &dyn Fn(usize, &Meaning) -> Option<Band>| -> Vec<(usize, Band)> {
         meanings.iter().enumerate().filter_map(|(i, m)| Some((i, pick(i, m)?))).collect()
     };
-    let radiance = bands_where(&|_, m| if let Meaning::Radiance(nm) = m { Some(centred(*nm)) } else { None });
+    let radiance =
+        bands_where(&|_, m| if let Meaning::Radiance(nm) = m { Some(centred(*nm)) } else { None });
     if !radiance.is_empty() {
         return Ok(radiance);
     }
-    let between = bands_where(&|_, m| if let Meaning::Between(band) = m { Some(*band) } else { None });
+    let between =
+        bands_where(&|_, m| if let Meaning::Between(band) = m { Some(*band) } else { None });
     if !between.is_empty() {
         return Ok(between);
     }
-    let told = bands_where(&|i, _| (offer.told)(&offer.names[i]).map(|metres| centred((metres * 1e15).round() / 1e6)));
-    if told.is_empty() && meanings.contains(&Meaning::Reflective) && rgb_channels(offer.names).is_none() {
+    let told = bands_where(&|i, _| {
+        (offer.told)(&offer.names[i]).map(|metres| centred((metres * 1e15).round() / 1e6))
+    });
+    if told.is_empty()
+        && meanings.contains(&Meaning::Reflective)
+        && rgb_channels(offer.names).is_none()
+    {
         return Err(
             "holds reflectances (channels `T.*`), not light; render the scene to radiance (channels `S0.*`)".into()
         );
@@ -129,10 +150,14 @@ fn recognised(offer: &Offer) -> Result<Vec<(usize, Band)>, String> {
 
 /// The channels that match a pattern, each with its number.
 fn matched(names: &[String], pattern: &str, mark: &str) -> Result<Vec<(usize, f64)>, String> {
-    let (before, after) =
-        pattern.split_once(mark).ok_or_else(|| format!("the pattern `{pattern}` has no `{mark}` in it"))?;
-    let found: Vec<_> =
-        names.iter().enumerate().filter_map(|(i, name)| Some((i, number_in(name, before, after)?))).collect();
+    let (before, after) = pattern
+        .split_once(mark)
+        .ok_or_else(|| format!("the pattern `{pattern}` has no `{mark}` in it"))?;
+    let found: Vec<_> = names
+        .iter()
+        .enumerate()
+        .filter_map(|(i, name)| Some((i, number_in(name, before, after)?)))
+        .collect();
     if found.is_empty() {
         return Err(format!("no channel matches `{pattern}`; it has {}", listed(names)));
     }
@@ -149,12 +174,20 @@ fn rgb_channels(names: &[String]) -> Option<[usize; 3]> {
 }
 
 fn passed_over(names: &[String], used: &[usize]) -> Vec<String> {
-    let others: Vec<String> =
-        names.iter().enumerate().filter(|(i, _)| !used.contains(i)).map(|(_, name)| name.clone()).collect();
-    let (stokes, others): (Vec<_>, Vec<_>) = others.into_iter().partition(|n| meaning(n) == Meaning::Polarisation);
+    let others: Vec<String> = names
+        .iter()
+        .enumerate()
+        .filter(|(i, _)| !used.contains(i))
+        .map(|(_, name)| name.clone())
+        .collect();
+    let (stokes, others): (Vec<_>, Vec<_>) =
+        others.into_iter().partition(|n| meaning(n) == Meaning::Polarisation);
     let mut notes = Vec::new();
     if !stokes.is_empty() {
-        notes.push(format!("passed over the polarisation (S1, S2, S3) in {} channels", stokes.len()));
+        notes.push(format!(
+            "passed over the polarisation (S1, S2, S3) in {} channels",
+            stokes.len()
+        ));
     }
     if !others.is_empty() {
         notes.push(format!("passed over {}", listed(&others)));
@@ -164,8 +197,10 @@ fn passed_over(names: &[String], used: &[usize]) -> Vec<String> {
 
 /// Names in a sentence, at most a dozen of them.
 pub(super) fn listed(names: &[String]) -> String {
-    let shown: Vec<String> = names.iter().take(12).map(|name| format!("`{}`", name.escape_debug())).collect();
-    let more = if names.len() > 12 { format!(" and {} more", names.len() - 12) } else { String::new() };
+    let shown: Vec<String> =
+        names.iter().take(12).map(|name| format!("`{}`", name.escape_debug())).collect();
+    let more =
+        if names.len() > 12 { format!(" and {} more", names.len() - 12) } else { String::new() };
     match names.len() {
         0 => "no channels".into(),
         1 => format!("channel {}", shown[0]),

@@ -1,7 +1,9 @@
-//! A deflate stream for pixels: single bytes in Huffman codes of their own for each segment, and long runs of one byte.
+//! A deflate stream for pixels: single bytes in Huffman codes of their own for each segment, and
+//! long runs of one byte.
 //!
-//! RFC 1950 (zlib), RFC 1951 (deflate). Other matches are not looked for: differences of neighbours hold few, and
-//! looking for them takes most of a compressor's time. A segment that its code does not shorten is stored.
+//! RFC 1950 (zlib), RFC 1951 (deflate). Other matches are not looked for: differences of neighbours
+//! hold few, and looking for them takes most of a compressor's time. A segment that its code does
+//! not shorten is stored.
 
 use crate::frames::huffman::{Word, code};
 
@@ -42,7 +44,8 @@ struct Stream {
 }
 
 impl Stream {
-    /// Room for segments of so many bytes together, for what stands before and behind them, and to write a word.
+    /// Room for segments of so many bytes together, for what stands before and behind them, and to
+    /// write a word.
     fn with_room(bytes: usize) -> Stream {
         Stream { bytes: vec![0; bytes + 2 + 2 + 4 + 8], whole: 0, begun: Word::default() }
     }
@@ -108,8 +111,8 @@ struct Piece<'a> {
 }
 
 impl Piece<'_> {
-    /// The symbol for the length of the run, and the bits behind it: the rest of the length, then a zero for the only
-    /// distance there is, 1.
+    /// The symbol for the length of the run, and the bits behind it: the rest of the length, then a
+    /// zero for the only distance there is, 1.
     fn run(&self) -> Option<(usize, Word)> {
         let beyond = self.more.checked_sub(3)?;
         let rest = beyond.max(1).ilog2().saturating_sub(2);
@@ -120,7 +123,9 @@ impl Piece<'_> {
 
 /// Cuts a segment where one byte goes on.
 fn pieces(bytes: &[u8]) -> Vec<Piece<'_>> {
-    let goes_on = |at: usize| bytes[at - 1..].first_chunk::<{ STEP + 1 }>().is_some_and(|all| all[..STEP] == all[1..]);
+    let goes_on = |at: usize| {
+        bytes[at - 1..].first_chunk::<{ STEP + 1 }>().is_some_and(|all| all[..STEP] == all[1..])
+    };
     let mut pieces = Vec::new();
     let (mut begin, mut end) = (0, 1);
     while end < bytes.len() {
@@ -139,7 +144,8 @@ fn pieces(bytes: &[u8]) -> Vec<Piece<'_>> {
     pieces
 }
 
-/// How often each symbol occurs. In four tables, lest a byte wait for the count of an equal one before it.
+/// How often each symbol occurs. In four tables, lest a byte wait for the count of an equal one
+/// before it.
 fn counts(pieces: &[Piece]) -> [u32; SYMBOLS] {
     let mut tables = [[0; SYMBOLS]; 4];
     for piece in pieces {
@@ -156,21 +162,28 @@ fn counts(pieces: &[Piece]) -> [u32; SYMBOLS] {
     std::array::from_fn(|symbol| tables.iter().map(|table| table[symbol]).sum())
 }
 
-/// What stands before a coded segment: the lengths of its words and of the one distance's, 1, themselves coded.
+/// What stands before a coded segment: the lengths of its words and of the one distance's, 1,
+/// themselves coded.
 fn header(words: &[Word; SYMBOLS]) -> Vec<Word> {
     let lengths: Vec<u32> = words.iter().map(|word| word.length).chain([1]).collect();
     let repeats = repeats(&lengths);
     let mut counts = [0; 19];
     repeats.iter().for_each(|(symbol, _)| counts[*symbol] += 1);
     let code = code(&counts, 7);
-    let sent = ORDER.iter().rposition(|&symbol| code[symbol].length > 0).map_or(4, |last| 4.max(last + 1));
-    let mut header = vec![Word::new(0b100, 3), Word::new(SYMBOLS as u64 - 257, 10), Word::new(sent as u64 - 4, 4)];
+    let sent =
+        ORDER.iter().rposition(|&symbol| code[symbol].length > 0).map_or(4, |last| 4.max(last + 1));
+    let mut header = vec![
+        Word::new(0b100, 3),
+        Word::new(SYMBOLS as u64 - 257, 10),
+        Word::new(sent as u64 - 4, 4),
+    ];
     header.extend(ORDER[..sent].iter().map(|&symbol| Word::new(u64::from(code[symbol].length), 3)));
     header.extend(repeats.into_iter().map(|(symbol, times)| code[symbol].then(times)));
     header
 }
 
-/// Lengths as deflate writes them: each itself, or 16 for the last one again, 17 and 18 for zeros, and how many times.
+/// Lengths as deflate writes them: each itself, or 16 for the last one again, 17 and 18 for zeros,
+/// and how many times.
 fn repeats(lengths: &[u32]) -> Vec<(usize, Word)> {
     let mut repeats = Vec::with_capacity(lengths.len());
     for alike in lengths.chunk_by(|a, b| a == b) {
@@ -204,8 +217,8 @@ mod tests {
         zune_inflate::DeflateDecoder::new(stream).decode_zlib().unwrap()
     }
 
-    /// Compresses in segments of several lengths, compares what an inflater of other make reads, and returns the
-    /// shortest stream's length.
+    /// Compresses in segments of several lengths, compares what an inflater of other make reads,
+    /// and returns the shortest stream's length.
     fn there_and_back(bytes: &[u8]) -> usize {
         let there = |segment| {
             let stream = deflated(bytes, segment);
@@ -223,7 +236,9 @@ mod tests {
 
     #[test]
     fn short_and_plain_inputs_come_back() {
-        for length in [0, 1, 2, 3, 4, 15, 16, 17, 18, 256, 257, 273, 274, 300, 1000, 1001, 65_535, 65_536] {
+        for length in
+            [0, 1, 2, 3, 4, 15, 16, 17, 18, 256, 257, 273, 274, 300, 1000, 1001, 65_535, 65_536]
+        {
             there_and_back(&vec![7; length]);
             there_and_back(&(0..length).map(|i| (i % 2) as u8).collect::<Vec<_>>());
             there_and_back(&(0..length).map(|i| i as u8).collect::<Vec<_>>());
@@ -246,7 +261,8 @@ mod tests {
 
     #[test]
     fn words_that_would_be_too_long_come_back() {
-        // Runs taken apart; with the end, that occurs once, Fibonacci counts give Huffman's tree a branch of 21.
+        // Runs taken apart; with the end, that occurs once, Fibonacci counts give Huffman's tree a
+        // branch of 21.
         let (mut count, mut next) = (1, 2);
         let mut bytes = Vec::new();
         for byte in 0..21 {

@@ -1,7 +1,8 @@
-//! PNG and JPEG: pictures made for a display, decoded to linear light by the sRGB curve (IEC 61966-2-1).
+//! PNG and JPEG: pictures made for a display, decoded to linear light by the sRGB curve (IEC
+//! 61966-2-1).
 //!
-//! Such a picture has lost its sun: whatever was brighter than white is white. The note says so, and samples at the
-//! top of their range are counted.
+//! Such a picture has lost its sun: whatever was brighter than white is white. The note says so,
+//! and samples at the top of their range are counted.
 
 use std::path::{Path, PathBuf};
 
@@ -51,7 +52,8 @@ fn unreadable(path: &Path, error: image::ImageError) -> Error {
 
 /// Linear light of a display's signal in 0..=1.
 fn linear(signal: f64) -> f32 {
-    let light = if signal <= 0.04045 { signal / 12.92 } else { ((signal + 0.055) / 1.055).powf(2.4) };
+    let light =
+        if signal <= 0.04045 { signal / 12.92 } else { ((signal + 0.055) / 1.055).powf(2.4) };
     light as f32
 }
 
@@ -69,13 +71,15 @@ impl Picture for DisplayedPicture {
         let color = decoder.color_type();
         let deep = color.bytes_per_pixel() > color.channel_count();
         let top = if deep { u16::MAX } else { u8::MAX.into() };
-        let image = DynamicImage::from_decoder(decoder).map_err(|error| unreadable(&self.path, error))?;
+        let image =
+            DynamicImage::from_decoder(decoder).map_err(|error| unreadable(&self.path, error))?;
         let samples: Vec<u16> = if deep {
             image.into_rgb16().into_raw()
         } else {
             image.into_rgb8().into_raw().into_iter().map(u16::from).collect()
         };
-        let curve: Vec<f32> = (0..=top).map(|code| linear(f64::from(code) / f64::from(top))).collect();
+        let curve: Vec<f32> =
+            (0..=top).map(|code| linear(f64::from(code) / f64::from(top))).collect();
         let mut planes = vec![0.0; samples.len()];
         for (row, out) in samples.chunks_exact(width * 3).zip(planes.chunks_exact_mut(width * 3)) {
             for (i, code) in row.iter().enumerate() {

@@ -53,7 +53,10 @@ impl EnviPicture {
             .and_then(|bytes| bytes.checked_add(envi.offset));
         if needed.is_none_or(|needed| needed > length) {
             let size = format!("{} x {} x {}", envi.samples, envi.lines, order.len());
-            return Err(Error::file(&data, format!("is cut short: {length} bytes do not hold {size} samples")));
+            return Err(Error::file(
+                &data,
+                format!("is cut short: {length} bytes do not hold {size} samples"),
+            ));
         }
         let notes = std::mem::take(&mut envi.notes);
         let (width, height) = (envi.samples, envi.lines);
@@ -62,12 +65,19 @@ impl EnviPicture {
         Ok(EnviPicture { envi, data, order, scale, header, options: options.clone() })
     }
 
-    fn project(&self, projection: &Projection, sums: &mut [f32], mending: Mending) -> Result<Census> {
+    fn project(
+        &self,
+        projection: &Projection,
+        sums: &mut [f32],
+        mending: Mending,
+    ) -> Result<Census> {
         let width = self.envi.samples;
         let row_bytes = width * self.order.len() * self.envi.stored.bytes();
         let rows = (BLOCK / row_bytes).clamp(1, self.envi.lines);
-        let mut file =
-            BufReader::with_capacity(1 << 16, File::open(&self.data).map_err(Error::io(&self.data, "read"))?);
+        let mut file = BufReader::with_capacity(
+            1 << 16,
+            File::open(&self.data).map_err(Error::io(&self.data, "read"))?,
+        );
         let blocks = sums.chunks_mut(rows * width * projection.rows).enumerate().map(|(i, out)| {
             let lines = i * rows..self.envi.lines.min((i + 1) * rows);
             (lines.clone(), self.read(&mut file, lines), out)
@@ -83,7 +93,10 @@ impl EnviPicture {
                         census.admit(samples, band, (0, y), mending);
                     }
                     projection.remember(y, 0, row);
-                    projection.project(row, &mut out[i * projection.rows * width..][..projection.rows * width]);
+                    projection.project(
+                        row,
+                        &mut out[i * projection.rows * width..][..projection.rows * width],
+                    );
                 }
                 Ok(census)
             })
@@ -101,10 +114,9 @@ impl EnviPicture {
             file.read_exact(bytes)
         };
         let read = match envi.interleave {
-            Interleave::Bsq => bytes
-                .chunks_exact_mut(lines.len() * line)
-                .enumerate()
-                .try_for_each(|(band, bytes)| fill((band * envi.lines + lines.start) * line, bytes)),
+            Interleave::Bsq => bytes.chunks_exact_mut(lines.len() * line).enumerate().try_for_each(
+                |(band, bytes)| fill((band * envi.lines + lines.start) * line, bytes),
+            ),
             Interleave::Bil | Interleave::Bip => fill(lines.start * line * bands, &mut bytes),
         };
         read.map_err(Error::io(&self.data, "read"))?;
@@ -146,17 +158,22 @@ impl Picture for EnviPicture {
         if again.map_err(|problem| Error::file(&self.data, problem))? {
             self.project(&projection, &mut sums, mending.second(&census))?;
         }
-        Ok(Frame { planes: Planes { width, height, count, samples: Samples::Float(sums) }, tally: census.tally })
+        Ok(Frame {
+            planes: Planes { width, height, count, samples: Samples::Float(sums) },
+            tally: census.tally,
+        })
     }
 }
 
-/// Bands in order of wavelength. They tile the spectrum between their centres: under gaps between the widths told by
-/// `fwhm`, and under overlaps, the light of a pixel would come out too small or too large.
+/// Bands in order of wavelength. They tile the spectrum between their centres: under gaps between
+/// the widths told by `fwhm`, and under overlaps, the light of a pixel would come out too small or
+/// too large.
 fn bands(envi: &EnviHeader) -> Result<(Bands, Vec<usize>), String> {
     let mut order: Vec<usize> = (0..envi.wavelengths.len()).collect();
     order.sort_by(|&a, &b| envi.wavelengths[a].total_cmp(&envi.wavelengths[b]));
     let centres: Vec<f64> = order.iter().map(|&band| envi.wavelengths[band]).collect();
-    let bands = Bands::from_centres(&centres).ok_or("has wavelengths that are not positive, or two that are equal")?;
+    let bands = Bands::from_centres(&centres)
+        .ok_or("has wavelengths that are not positive, or two that are equal")?;
     Ok((bands, order))
 }
 
@@ -190,7 +207,10 @@ fn pair(path: &Path) -> Result<(PathBuf, PathBuf)> {
     let is_header = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("hdr"));
     let mut beside: Vec<PathBuf> = Vec::new();
     if is_header {
-        beside.extend(["img", "dat", "raw", "bsq", "bil", "bip", ""].map(|extension| path.with_extension(extension)));
+        beside.extend(
+            ["img", "dat", "raw", "bsq", "bil", "bip", ""]
+                .map(|extension| path.with_extension(extension)),
+        );
     } else {
         let appended = PathBuf::from(format!("{}.hdr", path.display()));
         beside.extend([path.with_extension("hdr"), appended]);

@@ -1,7 +1,7 @@
 //! The text header of an ENVI picture.
 //!
-//! ENVI Header Files (NV5 Geospatial documentation): `key = value` lines after a line `ENVI`, lists in braces over
-//! as many lines as they need, `;` comments.
+//! ENVI Header Files (NV5 Geospatial documentation): `key = value` lines after a line `ENVI`, lists
+//! in braces over as many lines as they need, `;` comments.
 
 use std::collections::BTreeMap;
 
@@ -67,7 +67,9 @@ pub(super) fn parse(text: &str) -> Result<EnviHeader, String> {
     let fields = fields(text)?;
     let field = |key: &str| fields.get(key).map(String::as_str);
     let whole = |key: &str, default: Option<u64>| match field(key) {
-        Some(text) => text.parse().map_err(|_| format!("has `{key} = {text}`, which is no whole number")),
+        Some(text) => {
+            text.parse().map_err(|_| format!("has `{key} = {text}`, which is no whole number"))
+        }
         None => default.ok_or_else(|| format!("has no `{key}`")),
     };
     let number = |key: &str| match field(key) {
@@ -79,7 +81,9 @@ pub(super) fn parse(text: &str) -> Result<EnviHeader, String> {
     };
     let mut notes = Vec::new();
     let bands = whole("bands", None)?;
-    let listed = list(field("wavelength").ok_or("has no `wavelength` list, so its bands cannot be placed")?)?;
+    let listed = list(
+        field("wavelength").ok_or("has no `wavelength` list, so its bands cannot be placed")?,
+    )?;
     if listed.len() as u64 != bands {
         return Err(format!("has {bands} bands but {} wavelengths", listed.len()));
     }
@@ -102,7 +106,11 @@ pub(super) fn parse(text: &str) -> Result<EnviHeader, String> {
         interleave: interleave(field("interleave").unwrap_or("bsq"))?,
         big_endian: whole("byte order", Some(0))? == 1,
         wavelengths: listed.iter().map(|wavelength| wavelength * to_nm).collect(),
-        fwhm: if fwhm.len() == listed.len() { fwhm.iter().map(|width| width * to_nm).collect() } else { Vec::new() },
+        fwhm: if fwhm.len() == listed.len() {
+            fwhm.iter().map(|width| width * to_nm).collect()
+        } else {
+            Vec::new()
+        },
         divisor,
         ignore: number("data ignore value")?,
         notes,
@@ -140,11 +148,17 @@ fn list(text: &str) -> Result<Vec<f64>, String> {
     let inside = text.trim().trim_start_matches('{').split('}').next().unwrap_or_default();
     let words = inside.split([',', ' ', '\t']).filter(|word| !word.is_empty());
     let number = |word: &str| word.parse::<f64>().ok().filter(|number| number.is_finite());
-    words.map(|word| number(word).ok_or_else(|| format!("has `{word}` in a list of numbers"))).collect()
+    words
+        .map(|word| number(word).ok_or_else(|| format!("has `{word}` in a list of numbers")))
+        .collect()
 }
 
 /// The factor to nm.
-fn nanometres(unit: Option<&str>, wavelengths: &[f64], notes: &mut Vec<String>) -> Result<f64, String> {
+fn nanometres(
+    unit: Option<&str>,
+    wavelengths: &[f64],
+    notes: &mut Vec<String>,
+) -> Result<f64, String> {
     match unit.map(str::to_ascii_lowercase).as_deref() {
         Some("nanometers" | "nanometer" | "nanometres" | "nm") => Ok(1.0),
         Some("micrometers" | "micrometer" | "micrometres" | "microns" | "um") => Ok(1000.0),
@@ -154,7 +168,9 @@ fn nanometres(unit: Option<&str>, wavelengths: &[f64], notes: &mut Vec<String>) 
             notes.push(format!("`wavelength units` are not told: taken as {unit}"));
             Ok(if micrometres { 1000.0 } else { 1.0 })
         }
-        Some(other) => Err(format!("has wavelengths in `{other}`; nanometers and micrometers are read")),
+        Some(other) => {
+            Err(format!("has wavelengths in `{other}`; nanometers and micrometers are read"))
+        }
     }
 }
 
@@ -164,7 +180,9 @@ fn stored(code: u64) -> Result<Stored, String> {
         4 => Ok(Stored::F32),
         5 => Ok(Stored::F64),
         12 => Ok(Stored::U16),
-        _ => Err(format!("has `data type = {code}`; read are 2 (i16), 4 (f32), 5 (f64) and 12 (u16)")),
+        _ => Err(format!(
+            "has `data type = {code}`; read are 2 (i16), 4 (f32), 5 (f64) and 12 (u16)"
+        )),
     }
 }
 

@@ -1,4 +1,5 @@
-//! Compressed blocks of an OpenEXR file: read in order, checked against the table of offsets, decompressed.
+//! Compressed blocks of an OpenEXR file: read in order, checked against the table of offsets,
+//! decompressed.
 
 use std::fs::File;
 use std::io::{BufReader, ErrorKind, Read, Seek, SeekFrom};
@@ -24,13 +25,15 @@ impl<'a> Chunks<'a> {
     pub fn open(part: &'a Part<'a>, units: Range<usize>) -> Result<Self> {
         let path = &part.file.path;
         let per_unit = part.chunks_per_unit();
-        let before: usize = part.file.meta.headers[..part.index].iter().map(|header| header.chunk_count).sum();
+        let before: usize =
+            part.file.meta.headers[..part.index].iter().map(|header| header.chunk_count).sum();
         let start = part.file.tables_at + 8 * (before + units.start * per_unit) as u64;
         let count = units.len() * per_unit;
         if start + 8 * count as u64 > part.file.bytes {
             return Err(cut_short(path));
         }
-        let mut reader = BufReader::with_capacity(1 << 18, File::open(path).map_err(Error::io(path, "read"))?);
+        let mut reader =
+            BufReader::with_capacity(1 << 18, File::open(path).map_err(Error::io(path, "read"))?);
         reader.seek(SeekFrom::Start(start)).map_err(Error::io(path, "read"))?;
         let mut table = vec![0; 8 * count];
         read_whole(&mut reader, &mut table, path)?;
@@ -49,7 +52,10 @@ impl<'a> Chunks<'a> {
         let path = &part.file.path;
         let offset = self.offsets[(unit - self.first_unit) * part.chunks_per_unit() + i];
         if offset == 0 {
-            return Err(Error::file(path, "is incomplete: its writer stopped before the last block"));
+            return Err(Error::file(
+                path,
+                "is incomplete: its writer stopped before the last block",
+            ));
         }
         if offset < part.file.tables_at || offset >= part.file.bytes {
             return Err(cut_short(path));
@@ -58,13 +64,19 @@ impl<'a> Chunks<'a> {
         self.reader.seek_relative(offset as i64 - here as i64).map_err(Error::io(path, "read"))?;
         for expected in part.marks(unit, i) {
             if self.number()? != expected {
-                return Err(Error::file(path, format!("is damaged: block {unit} is not where its table says")));
+                return Err(Error::file(
+                    path,
+                    format!("is damaged: block {unit} is not where its table says"),
+                ));
             }
         }
         let size = self.number()?;
         let limit = part.header.max_block_byte_size().min((part.file.bytes - offset) as usize);
         if size < 0 || size as usize > limit {
-            return Err(Error::file(path, format!("is damaged or cut short: block {unit} claims {size} bytes")));
+            return Err(Error::file(
+                path,
+                format!("is damaged or cut short: block {unit} claims {size} bytes"),
+            ));
         }
         let mut bytes = vec![0; size as usize];
         read_whole(&mut self.reader, &mut bytes, path)?;
@@ -79,28 +91,38 @@ impl<'a> Chunks<'a> {
 }
 
 /// Decompresses one block.
-pub(super) fn decompressed(header: &Header, bytes: Vec<u8>, area: IntegerBounds, path: &Path) -> Result<Vec<u8>> {
+pub(super) fn decompressed(
+    header: &Header,
+    bytes: Vec<u8>,
+    area: IntegerBounds,
+    path: &Path,
+) -> Result<Vec<u8>> {
     let dwa = matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_));
     if dwa && !dwa_sizes_are_sound(&bytes, header, area) {
         return Err(Error::file(path, "is damaged: a DWA block claims more than its pixels"));
     }
-    guarded(path, || header.compression.decompress_image_section_from_le(header, bytes, area, false))
+    guarded(path, || {
+        header.compression.decompress_image_section_from_le(header, bytes, area, false)
+    })
 }
 
-/// The crate allocates what a DWA block's eleven counters claim. None is larger than the block, whose sides are
-/// padded to eight pixels.
+/// The crate allocates what a DWA block's eleven counters claim. None is larger than the block,
+/// whose sides are padded to eight pixels.
 fn dwa_sizes_are_sound(bytes: &[u8], header: &Header, area: IntegerBounds) -> bool {
     let padded = area.size.width().next_multiple_of(8) * area.size.height().next_multiple_of(8);
     let largest = (2 * padded * header.channels.bytes_per_pixel) as u64;
     bytes.as_chunks().0.iter().take(11).all(|counter| u64::from_le_bytes(*counter) <= largest)
 }
 
-/// Runs the `exr` crate. None of 400 000 damaged files made it panic, but its codecs index by numbers from the file:
-/// should one ever, that is an error of the file and not the end of a run of hours.
+/// Runs the `exr` crate. None of 400 000 damaged files made it panic, but its codecs index by
+/// numbers from the file: should one ever, that is an error of the file and not the end of a run of
+/// hours.
 pub(super) fn guarded<T>(path: &Path, work: impl FnOnce() -> exr::error::Result<T>) -> Result<T> {
     match std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)) {
         Ok(Ok(done)) => Ok(done),
-        Ok(Err(exr::error::Error::Invalid(problem))) if problem == "reference to missing bytes" => Err(cut_short(path)),
+        Ok(Err(exr::error::Error::Invalid(problem))) if problem == "reference to missing bytes" => {
+            Err(cut_short(path))
+        }
         Ok(Err(exr::error::Error::Io(error))) => Err(Error::io(path, "read")(error)),
         Ok(Err(error)) => Err(Error::file(path, format!("cannot be read as OpenEXR: {error}"))),
         Err(_) => Err(Error::file(path, "is damaged: its pixels cannot be decompressed")),

@@ -51,8 +51,13 @@ pub(super) fn described(header: &Header) -> ExrDescription {
 }
 
 /// Numbers and texts that every file has.
-const MANDATORY: [&str; 5] =
-    ["chunkCount", "pixelAspectRatio", "screenWindowCenter", "screenWindowWidth", "maxSamplesPerPixel"];
+const MANDATORY: [&str; 5] = [
+    "chunkCount",
+    "pixelAspectRatio",
+    "screenWindowCenter",
+    "screenWindowWidth",
+    "maxSamplesPerPixel",
+];
 
 fn window(bounds: IntegerBounds) -> [i64; 4] {
     let (x, y) = (i64::from(bounds.position.0), i64::from(bounds.position.1));
@@ -68,9 +73,9 @@ fn text(value: &AttributeValue) -> Option<String> {
         AttributeValue::I32(number) => number.to_string(),
         AttributeValue::Rational((over, under)) => format!("{over}/{under}"),
         AttributeValue::FloatVec2(pair) => format!("{} {}", pair.0, pair.1),
-        AttributeValue::Chromaticities(c) => {
-            [c.red, c.green, c.blue, c.white].map(|point| format!("{} {}", point.0, point.1)).join(", ")
-        }
+        AttributeValue::Chromaticities(c) => [c.red, c.green, c.blue, c.white]
+            .map(|point| format!("{} {}", point.0, point.1))
+            .join(", "),
         _ => return None,
     })
 }

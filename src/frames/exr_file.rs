@@ -1,8 +1,8 @@
 //! One OpenEXR file: its headers, and its pixels decoded one block of rows at a time.
 //!
-//! Compressed blocks are read in the file's order by whichever thread is free and decompressed in the current
-//! rayon pool; a frame is never held but in the planes that it ends in. The `exr` crate reads headers and
-//! decompresses; its own parallel reader would build a pool per file.
+//! Compressed blocks are read in the file's order by whichever thread is free and decompressed in
+//! the current rayon pool; a frame is never held but in the planes that it ends in. The `exr` crate
+//! reads headers and decompresses; its own parallel reader would build a pool per file.
 
 use std::fs::File;
 use std::io::{BufReader, Read, Seek};
@@ -62,7 +62,13 @@ impl ExrFile {
         let densest = if dwa { DENSEST_DWA } else { DENSEST };
         for size in [display.size, header.layer_size] {
             let pixel_bytes = header.channels.bytes_per_pixel;
-            believable(&self.path, (size.width(), size.height()), pixel_bytes, densest, max_pixels)?;
+            believable(
+                &self.path,
+                (size.width(), size.height()),
+                pixel_bytes,
+                densest,
+                max_pixels,
+            )?;
         }
         if header.channels.list.iter().any(|channel| channel.sampling != Vec2(1, 1)) {
             return Err(Error::file(
@@ -97,9 +103,9 @@ impl Part<'_> {
         columns.len() == self.width && rows.len() == self.height
     }
 
-    /// Decodes the rows that the display window shows. `planes` holds `row_length` items for each row of the
-    /// display window; `visit` gets decoded rows, the items of just these, and room to work in. Results come in
-    /// order of rows.
+    /// Decodes the rows that the display window shows. `planes` holds `row_length` items for each
+    /// row of the display window; `visit` gets decoded rows, the items of just these, and room to
+    /// work in. Results come in order of rows.
     pub fn decode<T, R, V>(&self, planes: &mut [T], row_length: usize, visit: V) -> Result<Vec<R>>
     where
         T: Send,
@@ -136,7 +142,8 @@ impl Part<'_> {
     fn decompress(&self, unit: usize, seen: Range<usize>, chunks: Vec<Vec<u8>>) -> Result<Rows> {
         let decompress = |(i, bytes): (usize, Vec<u8>)| {
             let area = self.area(unit, i)?;
-            let columns = area.position.x() as usize..area.position.x() as usize + area.size.width();
+            let columns =
+                area.position.x() as usize..area.position.x() as usize + area.size.width();
             Ok((columns, decompressed(self.header, bytes, area, &self.file.path)?))
         };
         Ok(Rows {
@@ -164,11 +171,14 @@ impl Part<'_> {
     pub fn chunks_per_unit(&self) -> usize {
         match self.header.blocks {
             BlockDescription::ScanLines => 1,
-            BlockDescription::Tiles(tiles) => self.header.layer_size.width().div_ceil(tiles.tile_size.width()),
+            BlockDescription::Tiles(tiles) => {
+                self.header.layer_size.width().div_ceil(tiles.tile_size.width())
+            }
         }
     }
 
-    /// The numbers that chunk `i` of a unit begins with in the file: part, then first line or tile and level.
+    /// The numbers that chunk `i` of a unit begins with in the file: part, then first line or tile
+    /// and level.
     pub fn marks(&self, unit: usize, i: usize) -> Vec<i32> {
         let mut marks = Vec::with_capacity(5);
         if self.file.meta.requirements.is_multilayer() {
@@ -176,7 +186,10 @@ impl Part<'_> {
         }
         match self.header.blocks {
             BlockDescription::ScanLines => {
-                marks.push((unit * self.lines_per_unit()) as i32 + self.header.own_attributes.layer_position.y());
+                marks.push(
+                    (unit * self.lines_per_unit()) as i32
+                        + self.header.own_attributes.layer_position.y(),
+                );
             }
             BlockDescription::Tiles(_) => marks.extend([i as i32, unit as i32, 0, 0]),
         }
@@ -184,7 +197,10 @@ impl Part<'_> {
     }
 
     fn offset(&self) -> (i64, i64) {
-        let (data, display) = (self.header.own_attributes.layer_position, self.header.shared_attributes.display_window);
+        let (data, display) = (
+            self.header.own_attributes.layer_position,
+            self.header.shared_attributes.display_window,
+        );
         let apart = |a: i32, b: i32| i64::from(a) - i64::from(b);
         (apart(data.x(), display.position.x()), apart(data.y(), display.position.y()))
     }

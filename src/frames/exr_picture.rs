@@ -1,4 +1,5 @@
-//! A picture in an OpenEXR file: which part and layer it is, what its planes mean, and the way from blocks to planes.
+//! A picture in an OpenEXR file: which part and layer it is, what its planes mean, and the way from
+//! blocks to planes.
 
 use std::path::Path;
 
@@ -29,23 +30,34 @@ pub(super) struct ExrPicture {
 impl ExrPicture {
     pub fn open(path: &Path, options: &ReadOptions) -> Result<ExrPicture> {
         let file = ExrFile::open(path)?;
-        let (part, choice) = chosen(&file, options).map_err(|problem| Error::file(path, problem))?;
-        let (width, height) = file.part(part, options.max_pixels).map(|part| (part.width, part.height))?;
+        let (part, choice) =
+            chosen(&file, options).map_err(|problem| Error::file(path, problem))?;
+        let (width, height) =
+            file.part(part, options.max_pixels).map(|part| (part.width, part.height))?;
         let attributes = &file.meta.headers[part].own_attributes;
         let mut notes = choice.notes.clone();
         if file.meta.headers.len() > 1 {
-            let name = attributes.layer_name.as_ref().map(|name| format!(", `{name}`")).unwrap_or_default();
+            let name = attributes
+                .layer_name
+                .as_ref()
+                .map(|name| format!(", `{name}`"))
+                .unwrap_or_default();
             notes.push(format!("part {} of {}{name}", part + 1, file.meta.headers.len()));
         }
         let aspect = file.meta.headers[part].shared_attributes.pixel_aspect;
         if aspect != 1.0 {
-            notes.push(format!("its pixels are not square (pixelAspectRatio {aspect}); read as square"));
+            notes.push(format!(
+                "its pixels are not square (pixelAspectRatio {aspect}); read as square"
+            ));
         }
         let header = Header {
             width,
             height,
             kind: choice.kind.clone(),
-            white: attributes.white_luminance.filter(|white| *white > 0.0).map(|white| Nits(white.into())),
+            white: attributes
+                .white_luminance
+                .filter(|white| *white > 0.0)
+                .map(|white| Nits(white.into())),
             frames_per_second: attributes
                 .frames_per_second
                 .map(|(frames, seconds)| f64::from(frames) / f64::from(seconds))
@@ -67,7 +79,9 @@ impl ExrPicture {
 
     /// The name of the channel behind a plane.
     pub fn channel(&self, plane: usize) -> String {
-        self.file.meta.headers[self.part].channels.list[self.choice.channels[plane]].name.to_string()
+        self.file.meta.headers[self.part].channels.list[self.choice.channels[plane]]
+            .name
+            .to_string()
     }
 
     /// Whether the frame is to be read with its infinities mended, or refused.
@@ -81,7 +95,8 @@ impl ExrPicture {
         let part = self.part()?;
         let (width, places) = (part.width, self.places(&part));
         let count = places.len();
-        let mut samples: Vec<T> = canvas(recycled, width * part.height * count, part.covers_display());
+        let mut samples: Vec<T> =
+            canvas(recycled, width * part.height * count, part.covers_display());
         let mending = Mending::first(&self.options);
         let counts = part.decode(&mut samples, width * count, |rows, out, _| {
             let mut census = Census::default();
@@ -99,7 +114,8 @@ impl ExrPicture {
         if self.verdict(&census)? {
             samples.par_chunks_mut(width).for_each(|row| mending.second(&census).mend(row));
         }
-        let planes = Planes { width, height: part.height, count, samples: T::into_samples(samples) };
+        let planes =
+            Planes { width, height: part.height, count, samples: T::into_samples(samples) };
         Ok(Frame { planes, tally: census.tally })
     }
 
@@ -109,23 +125,32 @@ impl ExrPicture {
         let bands: Vec<usize> = (0..self.choice.channels.len()).collect();
         let projection = projection.reordered(&bands, &self.choice.scale);
         let count = projection.rows;
-        let mut sums: Vec<f32> = canvas(recycled, part.width * part.height * count, part.covers_display());
+        let mut sums: Vec<f32> =
+            canvas(recycled, part.width * part.height * count, part.covers_display());
         let mending = Mending::first(&self.options);
         let census = self.project(&part, &projection, &mut sums, mending)?;
         if self.verdict(&census)? {
             self.project(&part, &projection, &mut sums, mending.second(&census))?;
         }
-        let planes = Planes { width: part.width, height: part.height, count, samples: Samples::Float(sums) };
+        let planes =
+            Planes { width: part.width, height: part.height, count, samples: Samples::Float(sums) };
         Ok(Frame { planes, tally: census.tally })
     }
 
-    fn project(&self, part: &Part, projection: &Projection, sums: &mut [f32], mending: Mending) -> Result<Census> {
+    fn project(
+        &self,
+        part: &Part,
+        projection: &Projection,
+        sums: &mut [f32],
+        mending: Mending,
+    ) -> Result<Census> {
         let (width, places) = (part.width, self.places(part));
         let counts = part.decode(sums, width * projection.rows, |rows, out, row| {
             let mut census = Census::default();
             let columns = rows.columns();
             row.resize(places.len() * columns.len(), 0.0);
-            let mut partial = vec![0.0; if columns.len() < width { columns.len() * projection.rows } else { 0 }];
+            let mut partial =
+                vec![0.0; if columns.len() < width { columns.len() * projection.rows } else { 0 }];
             for (i, y) in rows.rows() {
                 for (band, samples) in row.chunks_exact_mut(columns.len()).enumerate() {
                     rows.fetch(i, places[band], samples);
@@ -137,7 +162,9 @@ impl ExrPicture {
                     projection.project(row, out);
                 } else {
                     projection.project(row, &mut partial);
-                    for (out, partial) in out.chunks_exact_mut(width).zip(partial.chunks_exact(columns.len())) {
+                    for (out, partial) in
+                        out.chunks_exact_mut(width).zip(partial.chunks_exact(columns.len()))
+                    {
                         out[columns.clone()].copy_from_slice(partial);
                     }
                 }
@@ -160,13 +187,15 @@ impl Picture for ExrPicture {
             (Kind::Rgb(_), _) if half => self.as_stored::<f16>(recycled),
             (Kind::Rgb(_), _) => self.as_stored::<f32>(recycled),
             (Kind::Spectral(_), Some(projection)) => self.spectral(projection, recycled),
-            (Kind::Spectral(bands), None) => self.spectral(&Projection::identity(bands.len()), recycled),
+            (Kind::Spectral(bands), None) => {
+                self.spectral(&Projection::identity(bands.len()), recycled)
+            }
         }
     }
 }
 
-/// Reads channels by their names, as float planes in that order, and the text of the attribute `sungaze`: what
-/// [`write_exr`](crate::frames::write_exr) wrote.
+/// Reads channels by their names, as float planes in that order, and the text of the attribute
+/// `sungaze`: what [`write_exr`](crate::frames::write_exr) wrote.
 pub fn read_exr(path: &Path, names: &[&str], max_pixels: u64) -> Result<(Planes, Option<String>)> {
     let file = ExrFile::open(path)?;
     let header = &file.meta.headers[0];
@@ -182,7 +211,14 @@ pub fn read_exr(path: &Path, names: &[&str], max_pixels: u64) -> Result<(Planes,
     });
     let kind = Kind::Rgb(Primaries::REC709);
     let (width, height) = file.part(0, max_pixels).map(|part| (part.width, part.height))?;
-    let header = Header { width, height, kind: kind.clone(), white: None, frames_per_second: None, notes: Vec::new() };
+    let header = Header {
+        width,
+        height,
+        kind: kind.clone(),
+        white: None,
+        frames_per_second: None,
+        notes: Vec::new(),
+    };
     let choice = Choice { kind, channels, scale: Vec::new(), notes: Vec::new() };
     let options = ReadOptions { max_pixels, ..ReadOptions::default() };
     let picture = ExrPicture { file, part: 0, choice, header, options };
@@ -191,7 +227,9 @@ pub fn read_exr(path: &Path, names: &[&str], max_pixels: u64) -> Result<(Planes,
 
 /// Planes to decode into: recycled ones where they fit, dark where nothing will be written.
 pub(super) fn canvas<T: Stored>(recycled: Option<Planes>, length: usize, covered: bool) -> Vec<T> {
-    let fitting = recycled.and_then(|planes| T::from_samples(planes.samples)).filter(|samples| samples.len() == length);
+    let fitting = recycled
+        .and_then(|planes| T::from_samples(planes.samples))
+        .filter(|samples| samples.len() == length);
     match fitting {
         Some(mut samples) => {
             if !covered {
@@ -210,8 +248,10 @@ fn chosen(file: &ExrFile, options: &ReadOptions) -> Result<(usize, Choice), Stri
     let mut problem = None;
     for (index, header) in headers {
         let named = header.own_attributes.layer_name.as_ref().is_some_and(|name| *name == *layer);
-        let prefixes =
-            [(named || layer.is_empty()).then(String::new), (!layer.is_empty()).then(|| format!("{layer}."))];
+        let prefixes = [
+            (named || layer.is_empty()).then(String::new),
+            (!layer.is_empty()).then(|| format!("{layer}.")),
+        ];
         for prefix in prefixes.into_iter().flatten() {
             match choice_under(header, &prefix, options) {
                 Some(Ok(choice)) => return Ok((index, choice)),
@@ -223,11 +263,18 @@ fn chosen(file: &ExrFile, options: &ReadOptions) -> Result<(usize, Choice), Stri
     Err(problem.unwrap_or_else(|| format!("has no layer `{layer}`; it has {}", layers(file))))
 }
 
-/// The picture among the channels whose names begin with `prefix`; `None` where there are no such channels.
-fn choice_under(header: &PartHeader, prefix: &str, options: &ReadOptions) -> Option<Result<Choice, String>> {
-    let all: Vec<String> = header.channels.list.iter().map(|channel| channel.name.to_string()).collect();
+/// The picture among the channels whose names begin with `prefix`; `None` where there are no such
+/// channels.
+fn choice_under(
+    header: &PartHeader,
+    prefix: &str,
+    options: &ReadOptions,
+) -> Option<Result<Choice, String>> {
+    let all: Vec<String> =
+        header.channels.list.iter().map(|channel| channel.name.to_string()).collect();
     let inside = |(i, name): (usize, &String)| Some((i, name.strip_prefix(prefix)?.to_owned()));
-    let (indices, names): (Vec<usize>, Vec<String>) = all.iter().enumerate().filter_map(inside).unzip();
+    let (indices, names): (Vec<usize>, Vec<String>) =
+        all.iter().enumerate().filter_map(inside).unzip();
     let told = |name: &str| {
         let wanted = format!("{prefix}{name}.wavelength");
         let attributes = &header.own_attributes.other;
@@ -239,7 +286,12 @@ fn choice_under(header: &PartHeader, prefix: &str, options: &ReadOptions) -> Opt
     };
     let primaries = header.shared_attributes.chromaticities.map(|c| {
         let point = |v: exr::math::Vec2<f32>| [decimal(v.0), decimal(v.1)];
-        Primaries { red: point(c.red), green: point(c.green), blue: point(c.blue), white: point(c.white) }
+        Primaries {
+            red: point(c.red),
+            green: point(c.green),
+            blue: point(c.blue),
+            white: point(c.white),
+        }
     });
     (!names.is_empty()).then(|| {
         let mut choice = choose(&Offer { names: &names, told: &told, primaries }, options)?;
@@ -259,7 +311,9 @@ fn layers(file: &ExrFile) -> String {
     for header in &file.meta.headers {
         names.extend(header.own_attributes.layer_name.as_ref().map(|name| name.to_string()));
         let channels = header.channels.list.iter().map(|channel| channel.name.to_string());
-        names.extend(channels.filter_map(|name| name.rsplit_once('.').map(|(layer, _)| layer.to_owned())));
+        names.extend(
+            channels.filter_map(|name| name.rsplit_once('.').map(|(layer, _)| layer.to_owned())),
+        );
     }
     names.sort();
     names.dedup();

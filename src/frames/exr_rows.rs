@@ -51,8 +51,8 @@ impl Rows {
                 continue;
             }
             let size = place.kind.bytes_per_sample();
-            let start =
-                (row * self.bytes_per_pixel + place.before) * columns.len() + (seen.start - columns.start) * size;
+            let start = (row * self.bytes_per_pixel + place.before) * columns.len()
+                + (seen.start - columns.start) * size;
             let out = &mut out[seen.start - self.columns.start..][..seen.len()];
             T::load(&bytes[start..][..seen.len() * size], place.kind, out);
         }

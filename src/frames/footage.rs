@@ -1,5 +1,5 @@
-//! Footage made of files, one frame each, of whatever formats: each file says in its header what it is, and every
-//! one after the first is held to what the first one said.
+//! Footage made of files, one frame each, of whatever formats: each file says in its header what it
+//! is, and every one after the first is held to what the first one said.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -21,8 +21,7 @@ pub(super) trait Picture: Send + Sync {
 }
 
 /// The extensions that are read.
-const EXTENSIONS: &str =
-    ".exr, .hdr and .pic (Radiance), .png, .jpg, and ENVI (.hdr beside .img, .raw, .dat, .bsq, .bil or .bip)";
+const EXTENSIONS: &str = ".exr, .hdr and .pic (Radiance), .png, .jpg, and ENVI (.hdr beside .img, .raw, .dat, .bsq, .bil or .bip)";
 
 /// What a file is, by its extension and, for the two formats that share `.hdr`, its first bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,7 +34,8 @@ pub(super) enum Format {
 
 /// Tells the format of a file.
 pub(super) fn format(path: &Path) -> Result<Format> {
-    let extension = path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
+    let extension =
+        path.extension().map(|extension| extension.to_string_lossy().to_ascii_lowercase());
     match extension.as_deref() {
         Some("exr") => Ok(Format::OpenExr),
         Some("pic") => Ok(Format::Radiance),
@@ -61,8 +61,8 @@ pub(super) fn picture(path: &Path, options: &ReadOptions) -> Result<Box<dyn Pict
     })
 }
 
-/// More uncompressed bytes than this for each byte of a file is no picture. Measured on black frames of 3840 x 2160:
-/// PXR24 packs 1250 bytes of floats into one, ZIP 940, PIZ 400.
+/// More uncompressed bytes than this for each byte of a file is no picture. Measured on black
+/// frames of 3840 x 2160: PXR24 packs 1250 bytes of floats into one, ZIP 940, PIZ 400.
 pub(super) const DENSEST: u64 = 4096;
 
 /// Refuses declared sizes that are beyond `max_pixels`, or that no compression fits into the file.
@@ -75,13 +75,17 @@ pub(super) fn believable(
 ) -> Result<()> {
     let pixels = width as u64 * height as u64;
     if pixels == 0 || pixels > max_pixels {
-        let problem = format!("declares {width} x {height} pixels; 1 to max_pixels = {max_pixels} are read");
+        let problem =
+            format!("declares {width} x {height} pixels; 1 to max_pixels = {max_pixels} are read");
         return Err(Error::file(path, problem));
     }
     let bytes = std::fs::metadata(path).map_err(Error::io(path, "read"))?.len();
     let declared = pixels * pixel_bytes as u64;
     if declared / densest > bytes {
-        return Err(Error::file(path, format!("declares {declared} bytes of pixels in a file of {bytes} bytes")));
+        return Err(Error::file(
+            path,
+            format!("declares {declared} bytes of pixels in a file of {bytes} bytes"),
+        ));
     }
     Ok(())
 }
@@ -99,7 +103,9 @@ pub(super) fn examined(
         census.admit(row, i % 3, (0, i / 3), mending);
     }
     let channel = |plane: usize| ["R", "G", "B"][plane].to_owned();
-    if verdict(&census, options.non_finite, channel).map_err(|problem| Error::file(path, problem))? {
+    if verdict(&census, options.non_finite, channel)
+        .map_err(|problem| Error::file(path, problem))?
+    {
         mending.second(&census).mend(&mut planes);
     }
     let planes = Planes { width, height, count: 3, samples: Samples::Float(planes) };
@@ -128,7 +134,12 @@ impl Footage for Files {
         self.paths.len()
     }
 
-    fn read(&self, index: usize, projection: Option<&Projection>, recycled: Option<Planes>) -> Result<Frame> {
+    fn read(
+        &self,
+        index: usize,
+        projection: Option<&Projection>,
+        recycled: Option<Planes>,
+    ) -> Result<Frame> {
         let picture = picture(&self.paths[index], &self.options)?;
         self.agrees(index, picture.header())?;
         picture.decode(projection, recycled)
@@ -147,7 +158,11 @@ impl Files {
             return Err(Error::file(path, problem));
         }
         if other.kind != ours.kind {
-            let problem = format!("holds {}, but {first} holds {}", described(&other.kind), described(&ours.kind));
+            let problem = format!(
+                "holds {}, but {first} holds {}",
+                described(&other.kind),
+                described(&ours.kind)
+            );
             return Err(Error::file(path, problem));
         }
         Ok(())
@@ -158,7 +173,10 @@ impl Files {
 pub(super) fn described(kind: &Kind) -> String {
     match kind {
         Kind::Rgb(p) => {
-            format!("RGB with primaries {:?} {:?} {:?} and white {:?}", p.red, p.green, p.blue, p.white)
+            format!(
+                "RGB with primaries {:?} {:?} {:?} and white {:?}",
+                p.red, p.green, p.blue, p.white
+            )
         }
         Kind::Spectral(bands) => {
             let (first, last) = (bands.as_slice()[0], bands.as_slice()[bands.len() - 1]);

@@ -21,14 +21,18 @@ impl Word {
     }
 }
 
-/// The code for symbols that occur so often, no word longer than `longest` bits (at most 15); what does not occur
-/// has none. A symbol that is alone gets one bit. Counts sum to less than 2^23; there are fewer than 512.
+/// The code for symbols that occur so often, no word longer than `longest` bits (at most 15); what
+/// does not occur has none. A symbol that is alone gets one bit. Counts sum to less than 2^23;
+/// there are fewer than 512.
 pub(super) fn code<const N: usize>(counts: &[u32; N], longest: usize) -> [Word; N] {
-    let mut rising: Vec<u32> = (0..N).filter(|&i| counts[i] > 0).map(|i| counts[i] << 9 | i as u32).collect();
+    let mut rising: Vec<u32> =
+        (0..N).filter(|&i| counts[i] > 0).map(|i| counts[i] << 9 | i as u32).collect();
     rising.sort_unstable();
     let weights: Vec<u32> = rising.iter().map(|symbol| symbol >> 9).collect();
     let of_length = bounded(of_each_length(&weights), longest);
-    let lengths = (1..=longest).rev().flat_map(|length| std::iter::repeat_n(length as u32, of_length[length]));
+    let lengths = (1..=longest)
+        .rev()
+        .flat_map(|length| std::iter::repeat_n(length as u32, of_length[length]));
     let mut words = [Word::default(); N];
     for (symbol, length) in rising.iter().zip(lengths) {
         words[(symbol & 0x1ff) as usize].length = length;
@@ -37,12 +41,13 @@ pub(super) fn code<const N: usize>(counts: &[u32; N], longest: usize) -> [Word; 
     words
 }
 
-/// How many words of each length Huffman's tree has for rising weights. Its inner nodes arise in rising order too,
-/// so that the two lightest nodes stand at the heads of two queues.
+/// How many words of each length Huffman's tree has for rising weights. Its inner nodes arise in
+/// rising order too, so that the two lightest nodes stand at the heads of two queues.
 fn of_each_length(weights: &[u32]) -> [usize; 64] {
     let leaves = weights.len();
     let root = (2 * leaves).saturating_sub(2);
-    let (mut weight, mut parent, mut depth) = (weights.to_vec(), vec![0; root + 1], vec![0; root + 1]);
+    let (mut weight, mut parent, mut depth) =
+        (weights.to_vec(), vec![0; root + 1], vec![0; root + 1]);
     let (mut leaf, mut inner) = (0, leaves);
     for node in leaves.max(1)..=root {
         let mut both = 0;
@@ -63,8 +68,8 @@ fn of_each_length(weights: &[u32]) -> [usize; 64] {
     of_length
 }
 
-/// Shortens the words that are too long, then lengthens the longest of the others until all fit (Kraft 1949: the sum
-/// of 2^-length is 1).
+/// Shortens the words that are too long, then lengthens the longest of the others until all fit
+/// (Kraft 1949: the sum of 2^-length is 1).
 fn bounded(mut of_length: [usize; 64], longest: usize) -> [usize; 64] {
     of_length[longest] += of_length[longest + 1..].iter().sum::<usize>();
     of_length[longest + 1..].fill(0);
@@ -78,7 +83,8 @@ fn bounded(mut of_length: [usize; 64], longest: usize) -> [usize; 64] {
     of_length
 }
 
-/// Numbers words in the order of their lengths, then of their symbols. Deflate sends the highest bit first.
+/// Numbers words in the order of their lengths, then of their symbols. Deflate sends the highest
+/// bit first.
 fn number(words: &mut [Word], of_length: &[usize; 64]) {
     let mut next = [0u16; 16];
     for length in 2..16 {
@@ -106,7 +112,10 @@ mod tests {
         // Lengths 3, 3, 3, 3, 3, 2, 4, 4 for A to H; F is 00, A 010, G 1110, H 1111.
         let words = code(&[4, 4, 4, 4, 4, 8, 2, 2], 15);
         assert_eq!(words.map(|word| word.length), [3, 3, 3, 3, 3, 2, 4, 4]);
-        assert_eq!([words[5], words[0], words[6], words[7]].map(|word| word.bits), [0, 0b010, 0b0111, 0b1111]);
+        assert_eq!(
+            [words[5], words[0], words[6], words[7]].map(|word| word.bits),
+            [0, 0b010, 0b0111, 0b1111]
+        );
     }
 
     #[test]

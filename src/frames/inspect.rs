@@ -46,12 +46,18 @@ pub struct Inspection {
     pub notes: Vec<String>,
 }
 
-/// For each plane of a frame the factor to its share of the luminance in cd/m2; nothing where that is unknown.
+/// For each plane of a frame the factor to its share of the luminance in cd/m2; nothing where that
+/// is unknown.
 pub type LuminanceWeights<'a> = &'a dyn Fn(&Header) -> Option<Vec<f64>>;
 
 /// Describes a file. Samples that are no numbers are counted, whatever the options say of them.
-pub fn inspect(path: &Path, options: &ReadOptions, weights: LuminanceWeights) -> Result<Inspection> {
-    let options = ReadOptions { non_finite: NonFinite::Clamp, negative: Negative::Keep, ..options.clone() };
+pub fn inspect(
+    path: &Path,
+    options: &ReadOptions,
+    weights: LuminanceWeights,
+) -> Result<Inspection> {
+    let options =
+        ReadOptions { non_finite: NonFinite::Clamp, negative: Negative::Keep, ..options.clone() };
     let (name, picture, exr): (_, Box<dyn Picture>, _) = match format(path)? {
         Format::OpenExr => match ExrPicture::open(path, &options) {
             Ok(picture) => {
@@ -61,7 +67,9 @@ pub fn inspect(path: &Path, options: &ReadOptions, weights: LuminanceWeights) ->
             Err(error) => return unrecognised(path, error),
         },
         Format::Radiance => ("Radiance", Box::new(RadiancePicture::open(path, &options)?), None),
-        Format::Displayed => ("PNG or JPEG", Box::new(DisplayedPicture::open(path, &options)?), None),
+        Format::Displayed => {
+            ("PNG or JPEG", Box::new(DisplayedPicture::open(path, &options)?), None)
+        }
         Format::Envi => ("ENVI", Box::new(EnviPicture::open(path, &options)?), None),
     };
     let header = picture.header();
@@ -71,7 +79,16 @@ pub fn inspect(path: &Path, options: &ReadOptions, weights: LuminanceWeights) ->
     };
     let Tally { nan, infinite, negative, clipped } = tally;
     let bare = bare(path, name, header);
-    Ok(Inspection { ranges, luminance_cd_m2: luminance, nan, infinite, negative, clipped, exr, ..bare })
+    Ok(Inspection {
+        ranges,
+        luminance_cd_m2: luminance,
+        nan,
+        infinite,
+        negative,
+        clipped,
+        exr,
+        ..bare
+    })
 }
 
 /// A description that only knows the size.
@@ -117,13 +134,20 @@ fn bare(path: &Path, format: &str, header: &Header) -> Inspection {
     }
 }
 
-/// An OpenEXR file whose channels tell no picture is still described; one that cannot be read is not.
+/// An OpenEXR file whose channels tell no picture is still described; one that cannot be read is
+/// not.
 fn unrecognised(path: &Path, error: Error) -> Result<Inspection> {
-    let (Error::File { problem, .. }, Ok(file)) = (&error, ExrFile::open(path)) else { return Err(error) };
+    let (Error::File { problem, .. }, Ok(file)) = (&error, ExrFile::open(path)) else {
+        return Err(error);
+    };
     let exr = &file.meta.headers[0];
     let size = exr.shared_attributes.display_window.size;
     let notes = vec![problem.clone()];
-    Ok(Inspection { exr: Some(described(exr)), notes, ..blank(path, "OpenEXR", size.width(), size.height()) })
+    Ok(Inspection {
+        exr: Some(described(exr)),
+        notes,
+        ..blank(path, "OpenEXR", size.width(), size.height())
+    })
 }
 
 type Ranges = (Vec<[f64; 2]>, Option<[f64; 2]>, Tally);
@@ -133,7 +157,9 @@ fn rgb_ranges(picture: &dyn Picture, weights: Option<Vec<f64>>) -> Result<Ranges
     let planes = &frame.planes;
     let ranges = (0..3).map(|i| range(planes, |x, y| planes.at(x, y, i))).collect();
     let luminance = weights.map(|weights| {
-        range(planes, |x, y| weights.iter().enumerate().map(|(i, weight)| weight * planes.at(x, y, i)).sum())
+        range(planes, |x, y| {
+            weights.iter().enumerate().map(|(i, weight)| weight * planes.at(x, y, i)).sum()
+        })
     });
     Ok((ranges, luminance, frame.tally))
 }

@@ -7,7 +7,11 @@ use crate::frames::inspect::Inspection;
 impl Display for Inspection {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let kind = self.kind.unwrap_or("unrecognised");
-        writeln!(f, "{}: {kind} {}, {} x {} pixels", self.file, self.format, self.width, self.height)?;
+        writeln!(
+            f,
+            "{}: {kind} {}, {} x {} pixels",
+            self.file, self.format, self.width, self.height
+        )?;
         if let Some(primaries) = &self.primaries {
             let points = primaries.map(|[x, y]| format!("{x} {y}"));
             line(f, "primaries", format!("{}; white {}", points[..3].join(", "), points[3]))?;
@@ -19,7 +23,11 @@ impl Display for Inspection {
             line(f, "channels", exr_channels(&exr.channels))?;
             line(f, "compression", &exr.compression)?;
             if exr.data_window != exr.display_window {
-                line(f, "data window", format!("{:?} in {:?}", exr.data_window, exr.display_window))?;
+                line(
+                    f,
+                    "data window",
+                    format!("{:?} in {:?}", exr.data_window, exr.display_window),
+                )?;
             }
         }
         if let Some(white) = self.white_cd_m2 {
@@ -53,9 +61,16 @@ impl Inspection {
             (self.negative, "negative"),
             (self.clipped, "at the top of their range"),
         ];
-        let found: Vec<String> =
-            counts.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")).collect();
-        line(f, "samples", if found.is_empty() { "all finite, none negative".into() } else { found.join(", ") })
+        let found: Vec<String> = counts
+            .iter()
+            .filter(|(count, _)| *count > 0)
+            .map(|(count, what)| format!("{count} {what}"))
+            .collect();
+        line(
+            f,
+            "samples",
+            if found.is_empty() { "all finite, none negative".into() } else { found.join(", ") },
+        )
     }
 }
 
@@ -70,7 +85,11 @@ fn short(value: f64) -> String {
         size if (1e-3..1e5).contains(&size) => {
             let digits = (3 - size.log10().floor() as i32).max(0) as usize;
             let text = format!("{value:.digits$}");
-            if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+            if text.contains('.') {
+                text.trim_end_matches('0').trim_end_matches('.').into()
+            } else {
+                text
+            }
         }
         _ => format!("{value:.3e}"),
     }
@@ -80,13 +99,24 @@ fn bands_text(bands: &[[f64; 3]]) -> String {
     let (first, last) = (bands[0], bands[bands.len() - 1]);
     let widths = bands.iter().map(|band| band[2] - band[1]);
     let (least, most) = (widths.clone().fold(f64::INFINITY, f64::min), widths.fold(0.0, f64::max));
-    let wide = if most - least < 1e-6 * most { short(most) } else { format!("{} to {}", short(least), short(most)) };
+    let wide = if most - least < 1e-6 * most {
+        short(most)
+    } else {
+        format!("{} to {}", short(least), short(most))
+    };
     format!("{}, {} to {} nm, each {wide} nm wide", bands.len(), short(first[0]), short(last[0]))
 }
 
 fn exr_channels(channels: &[crate::frames::Channel]) -> String {
-    let shown: Vec<String> =
-        channels.iter().take(6).map(|channel| format!("{} {}", channel.name, channel.stored)).collect();
-    let more = if channels.len() > 6 { format!(", and {} more", channels.len() - 6) } else { String::new() };
+    let shown: Vec<String> = channels
+        .iter()
+        .take(6)
+        .map(|channel| format!("{} {}", channel.name, channel.stored))
+        .collect();
+    let more = if channels.len() > 6 {
+        format!(", and {} more", channels.len() - 6)
+    } else {
+        String::new()
+    };
     shown.join(", ") + &more
 }

@@ -1,8 +1,9 @@
-//! Files in and out. The only room that names `exr`, `image` and `png`, and the only one below the program that
-//! touches the disk.
+//! Files in and out. The only room that names `exr`, `image` and `png`, and the only one below the
+//! program that touches the disk.
 //!
 //! * Which files: `sequence`, with `pattern` and `range`.
-//! * Footage from files, any format: `footage`; one format each: `exr_*`, `radiance`, `displayed`, `envi*`.
+//! * Footage from files, any format: `footage`; one format each: `exr_*`, `radiance`, `displayed`,
+//!   `envi*`.
 //! * What channels mean: `names`, `channels`. What is wrong with samples: `census`.
 //! * Files out: `written` with `zip`, `deflate` and `huffman`; whole or not at all: [`atomic`].
 //! * What a file holds, for people: `inspect*`, `exr_description`.
@@ -81,9 +82,14 @@ pub trait Footage: Send + Sync {
     fn is_empty(&self) -> bool {
         self.len() == 0
     }
-    /// Decodes frame `index`. Spectral frames are projected block by block; RGB frames keep their samples.
-    /// `recycled` may hold the planes of an earlier frame to be written over.
-    fn read(&self, index: usize, projection: Option<&Projection>, recycled: Option<Planes>) -> Result<Frame, Error>;
+    /// Decodes frame `index`. Spectral frames are projected block by block; RGB frames keep their
+    /// samples. `recycled` may hold the planes of an earlier frame to be written over.
+    fn read(
+        &self,
+        index: usize,
+        projection: Option<&Projection>,
+        recycled: Option<Planes>,
+    ) -> Result<Frame, Error>;
 }
 
 /// What to do with samples that are NaN or infinite.
@@ -96,7 +102,8 @@ pub enum NonFinite {
     Clamp,
 }
 
-/// What to do with negative samples. (Light on the retina is never negative, whatever is chosen here.)
+/// What to do with negative samples. (Light on the retina is never negative, whatever is chosen
+/// here.)
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Negative {
     #[default]

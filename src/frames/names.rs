@@ -1,16 +1,17 @@
 //! What the name of a channel says about its wavelength.
 //!
 //! The layout of Fichet, Pacanowski & Wilkie (2021, JCGT 10(3)) names a channel
-//! `((S[0-3])|T).<number with a decimal comma><SI prefix>(m|Hz)`: S0 is radiance, S1 to S3 its polarisation, T a
-//! reflectance. A frequency f stands for the wavelength c/f. Mitsuba 0.5 wrote `400.00-410.00nm`, the limits of a
-//! band.
+//! `((S[0-3])|T).<number with a decimal comma><SI prefix>(m|Hz)`: S0 is radiance, S1 to S3 its
+//! polarisation, T a reflectance. A frequency f stands for the wavelength c/f. Mitsuba 0.5 wrote
+//! `400.00-410.00nm`, the limits of a band.
 
 use crate::spectrum::Band;
 
 /// Speed of light in vacuum, m/s (exact, SI).
 const LIGHT_SPEED: f64 = 299_792_458.0;
 
-/// Powers of ten of the SI prefixes in the order of the layout's expression; `da` stands before `d`.
+/// Powers of ten of the SI prefixes in the order of the layout's expression; `da` stands before
+/// `d`.
 const PREFIXES: [(&str, i32); 16] = [
     ("Y", 24),
     ("Z", 21),
@@ -73,7 +74,11 @@ fn wavelength(text: &str) -> Option<f64> {
         "" => 0,
         _ => PREFIXES.iter().find(|(symbol, _)| *symbol == prefix)?.1,
     };
-    let nm = if is_length { number * 10f64.powi(power + 9) } else { LIGHT_SPEED / (number * 10f64.powi(power)) * 1e9 };
+    let nm = if is_length {
+        number * 10f64.powi(power + 9)
+    } else {
+        LIGHT_SPEED / (number * 10f64.powi(power)) * 1e9
+    };
     // Powers of ten are inexact in binary: 0.7 um is to be 700 nm.
     let nm = (nm * 1e6).round() / 1e6;
     (nm.is_finite() && nm > 0.0).then_some(nm)
@@ -101,13 +106,19 @@ fn number_length(text: &str) -> usize {
 /// The band of `400.00-410.00nm`.
 fn limits(name: &str) -> Option<Band> {
     let (low, high) = name.strip_suffix("nm")?.split_once('-')?;
-    let plain = |text: &str| text.bytes().all(|b| b.is_ascii_digit() || b == b'.').then(|| text.parse().ok())?;
+    let plain = |text: &str| {
+        text.bytes().all(|b| b.is_ascii_digit() || b == b'.').then(|| text.parse().ok())?
+    };
     let (low, high): (f64, f64) = (plain(low)?, plain(high)?);
-    (0.0 < low && low < high && high.is_finite()).then(|| Band { centre: (low + high) / 2.0, low, high })
+    (0.0 < low && low < high && high.is_finite()).then(|| Band {
+        centre: (low + high) / 2.0,
+        low,
+        high,
+    })
 }
 
-/// The number that stands for `{nm}` or `{index}` in `name`, under a pattern split into what stands before and
-/// after it. Both decimal signs are read.
+/// The number that stands for `{nm}` or `{index}` in `name`, under a pattern split into what stands
+/// before and after it. Both decimal signs are read.
 pub(super) fn number_in(name: &str, before: &str, after: &str) -> Option<f64> {
     let text = name.strip_prefix(before)?.strip_suffix(after)?;
     let plain = text.bytes().all(|b| b.is_ascii_digit() || b == b'.' || b == b',');
@@ -138,7 +149,15 @@ mod tests {
 
     #[test]
     fn every_spelling_of_a_wavelength_is_the_same_wavelength() {
-        for name in ["S0.550nm", "S0.550,0nm", "S0.550,000000nm", "S0.0,55um", "S0.5,5E-7m", "S0.55e1nm", "S0.,55um"] {
+        for name in [
+            "S0.550nm",
+            "S0.550,0nm",
+            "S0.550,000000nm",
+            "S0.0,55um",
+            "S0.5,5E-7m",
+            "S0.55e1nm",
+            "S0.,55um",
+        ] {
             assert_eq!(meaning(name), Meaning::Radiance(550.0), "{name}");
         }
         for name in ["S0.545,077196THz", "S0.5,45077196E14Hz", "S0.0,545077196PHz"] {
@@ -155,10 +174,14 @@ mod tests {
 
     #[test]
     fn names_outside_the_layout_say_nothing() {
-        for name in ["", "R", "S0", "S0.", "S0.nm", "S0.,nm", "S4.400nm", "S0.400", "S0.400xm", "S0.0nm", "S0.4.5nm"] {
+        for name in [
+            "", "R", "S0", "S0.", "S0.nm", "S0.,nm", "S4.400nm", "S0.400", "S0.400xm", "S0.0nm",
+            "S0.4.5nm",
+        ] {
             assert_eq!(meaning(name), Meaning::Other, "{name}");
         }
-        for name in ["S0.0Hz", "410-400nm", "-400nm", "S0.1E999nm", "S0.400nm ", "é.400nm", "S0.é"] {
+        for name in ["S0.0Hz", "410-400nm", "-400nm", "S0.1E999nm", "S0.400nm ", "é.400nm", "S0.é"]
+        {
             assert_eq!(meaning(name), Meaning::Other, "{name}");
         }
     }

@@ -17,7 +17,8 @@ pub(super) struct Pattern {
 impl Pattern {
     /// The pattern in a file name; `None` for a plain name, a problem for more than one place.
     pub fn parse(path: &Path) -> Result<Option<Pattern>, String> {
-        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let name =
+            path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let Some((start, length, digits)) = place(&name) else { return Ok(None) };
         let (before, after) = (name[..start].to_owned(), name[start + length..].to_owned());
         if place(&after).is_some() {
@@ -26,13 +27,15 @@ impl Pattern {
         Ok(Some(Pattern { path: path.to_owned(), before, after, digits }))
     }
 
-    /// The files on disk, by number. Numbers padded to another width are taken where no file has the pattern's.
+    /// The files on disk, by number. Numbers padded to another width are taken where no file has
+    /// the pattern's.
     pub fn files(&self) -> Result<Vec<(u32, PathBuf)>> {
         let folder = match self.path.parent() {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
             _ => Path::new("."),
         };
-        let entries = std::fs::read_dir(folder).map_err(|_| Error::file(&self.path, absent(&self.path)))?;
+        let entries =
+            std::fs::read_dir(folder).map_err(|_| Error::file(&self.path, absent(&self.path)))?;
         let names = entries.flatten().filter_map(|entry| entry.file_name().into_string().ok());
         let mut found: Vec<(u32, bool, String)> = names
             .filter_map(|name| {
@@ -42,10 +45,13 @@ impl Pattern {
             .collect();
         found.sort();
         let clash = |a: &(u32, bool, String), b: &(u32, bool, String)| {
-            let problem = format!("fits both {} and {}; write the number as one of them has it", a.2, b.2);
+            let problem =
+                format!("fits both {} and {}; write the number as one of them has it", a.2, b.2);
             Err(Error::file(&self.path, problem))
         };
-        if let (Some(a), Some(b)) = (found.iter().find(|file| file.1), found.iter().find(|file| !file.1)) {
+        if let (Some(a), Some(b)) =
+            (found.iter().find(|file| file.1), found.iter().find(|file| !file.1))
+        {
             return clash(a, b);
         }
         if let Some(pair) = found.windows(2).find(|pair| pair[0].0 == pair[1].0) {
@@ -62,7 +68,8 @@ impl Pattern {
         let digits = name.strip_prefix(&self.before)?.strip_suffix(&self.after)?;
         let plain = !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit());
         let number = plain.then(|| digits.parse().ok())??;
-        let padded = digits.len() == self.digits || (digits.len() > self.digits && !digits.starts_with('0'));
+        let padded =
+            digits.len() == self.digits || (digits.len() > self.digits && !digits.starts_with('0'));
         Some((number, padded))
     }
 }

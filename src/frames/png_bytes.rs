@@ -2,8 +2,8 @@
 
 use std::io::Cursor;
 
-/// Decodes a PNG of 8-bit colour, with or without alpha: width, height, and red, green, blue of every pixel. `None`
-/// if the bytes are no such picture.
+/// Decodes a PNG of 8-bit colour, with or without alpha: width, height, and red, green, blue of
+/// every pixel. `None` if the bytes are no such picture.
 pub fn decode_png(bytes: &[u8]) -> Option<(usize, usize, Vec<u8>)> {
     let mut reader = png::Decoder::new(Cursor::new(bytes)).read_info().ok()?;
     let mut samples = vec![0; reader.output_buffer_size()?];

@@ -1,8 +1,9 @@
 //! Radiance pictures (`.hdr`, `.pic`): shared-exponent RGB or XYZ.
 //!
-//! Ward (1991), "Real Pixels", Graphics Gems II; the Radiance reference manual. Stored numbers are divided by the
-//! product of all EXPOSURE lines and by the product of all COLORCORR lines; then 179 times 1.0 is cd/m2. The
-//! `image` crate decodes the runs; it neither divides nor knows PRIMARIES and XYZE.
+//! Ward (1991), "Real Pixels", Graphics Gems II; the Radiance reference manual. Stored numbers are
+//! divided by the product of all EXPOSURE lines and by the product of all COLORCORR lines; then 179
+//! times 1.0 is cd/m2. The `image` crate decodes the runs; it neither divides nor knows PRIMARIES
+//! and XYZE.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Read};
@@ -49,7 +50,10 @@ pub(super) struct RadiancePicture {
 impl RadiancePicture {
     pub fn open(path: &Path, options: &ReadOptions) -> Result<RadiancePicture> {
         if options.wanted == Wanted::Spectral {
-            return Err(Error::file(path, "is a Radiance picture, RGB; `kind` asks for spectral light"));
+            return Err(Error::file(
+                path,
+                "is a Radiance picture, RGB; `kind` asks for spectral light",
+            ));
         }
         let (lines, _) = opened(path)?;
         believable(path, (lines.width, lines.height), 12, DENSEST, options.max_pixels)?;
@@ -59,7 +63,8 @@ impl RadiancePicture {
         } else if lines.primaries.is_none() {
             notes.push("no PRIMARIES line: taken as Rec. 709".into());
         }
-        let kind = Kind::Rgb(lines.primaries.filter(|_| !lines.is_xyz).unwrap_or(Primaries::REC709));
+        let kind =
+            Kind::Rgb(lines.primaries.filter(|_| !lines.is_xyz).unwrap_or(Primaries::REC709));
         let (width, height) = (lines.width, lines.height);
         let header = Header { width, height, kind, white: None, frames_per_second: None, notes };
         Ok(RadiancePicture { path: path.to_owned(), lines, header, options: options.clone() })
@@ -78,7 +83,9 @@ pub(super) fn read_lines(reader: &mut impl BufRead) -> Result<Lines, String> {
     let mut limited = reader.take(LONGEST_HEADER);
     let mut line = || -> Result<String, String> {
         let mut bytes = Vec::new();
-        limited.read_until(b'\n', &mut bytes).map_err(|error| format!("cannot be read: {error}"))?;
+        limited
+            .read_until(b'\n', &mut bytes)
+            .map_err(|error| format!("cannot be read: {error}"))?;
         if bytes.pop() != Some(b'\n') {
             return Err("is cut short inside its header".into());
         }
@@ -100,7 +107,8 @@ pub(super) fn read_lines(reader: &mut impl BufRead) -> Result<Lines, String> {
             "COLORCORR" => multiply(&mut gain, &numbers::<3>(value)?),
             "PRIMARIES" => {
                 let [a, b, c, d, e, f, g, h] = numbers::<8>(value)?;
-                primaries = Some(Primaries { red: [a, b], green: [c, d], blue: [e, f], white: [g, h] });
+                primaries =
+                    Some(Primaries { red: [a, b], green: [c, d], blue: [e, f], white: [g, h] });
             }
             "FORMAT" => is_xyz = format_is_xyz(value.trim())?,
             _ => {}
@@ -121,23 +129,27 @@ fn format_is_xyz(format: &str) -> Result<bool, String> {
     match format {
         "32-bit_rle_rgbe" => Ok(false),
         "32-bit_rle_xyze" => Ok(true),
-        other => Err(format!("is in the format `{other}`; 32-bit_rle_rgbe and 32-bit_rle_xyze are read")),
+        other => {
+            Err(format!("is in the format `{other}`; 32-bit_rle_rgbe and 32-bit_rle_xyze are read"))
+        }
     }
 }
 
 fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
     let numbers: Vec<f64> = text.split_whitespace().map_while(|word| word.parse().ok()).collect();
-    <[f64; N]>::try_from(numbers).map_err(|_| format!("has `{}` in its header where {N} numbers belong", text.trim()))
+    <[f64; N]>::try_from(numbers)
+        .map_err(|_| format!("has `{}` in its header where {N} numbers belong", text.trim()))
 }
 
 /// Height, whether from the bottom, width, whether from the right, of `-Y 480 +X 640`.
 fn resolution(text: &str) -> Result<(usize, bool, usize, bool), String> {
     let words: Vec<&str> = text.split_whitespace().collect();
-    let size = |text: &str| text.parse::<u32>().ok().filter(|size| *size > 0).map(|size| size as usize);
+    let size =
+        |text: &str| text.parse::<u32>().ok().filter(|size| *size > 0).map(|size| size as usize);
     let read = match words[..] {
-        [y @ ("-Y" | "+Y"), height, x @ ("+X" | "-X"), width] => {
-            size(height).zip(size(width)).map(|(height, width)| (height, y == "+Y", width, x == "-X"))
-        }
+        [y @ ("-Y" | "+Y"), height, x @ ("+X" | "-X"), width] => size(height)
+            .zip(size(width))
+            .map(|(height, width)| (height, y == "+Y", width, x == "-X")),
         _ => None,
     };
     read.ok_or_else(|| {

@@ -8,10 +8,16 @@ pub(super) fn parse(text: &str) -> Result<Vec<u32>, String> {
     let mut numbers = Vec::new();
     for part in text.split(',') {
         let (first, last, step) = span(part.trim()).ok_or_else(|| {
-            format!("`{}` is no range of frames; write for instance 1001-1100 or 1-100x2,120", part.trim())
+            format!(
+                "`{}` is no range of frames; write for instance 1001-1100 or 1-100x2,120",
+                part.trim()
+            )
         })?;
         if last < first {
-            return Err(format!("`{}` runs backwards; frames are taken in rising order", part.trim()));
+            return Err(format!(
+                "`{}` runs backwards; frames are taken in rising order",
+                part.trim()
+            ));
         }
         if ((last - first) / step) as usize + numbers.len() >= LONGEST {
             return Err(format!("`{text}` has more than {LONGEST} frames"));
@@ -29,7 +35,9 @@ fn span(part: &str) -> Option<(u32, u32, u32)> {
         let plain = text.bytes().all(|b| b.is_ascii_digit());
         plain.then(|| text.parse().ok())?
     };
-    let Some((first, rest)) = part.split_once('-') else { return Some((number(part)?, number(part)?, 1)) };
+    let Some((first, rest)) = part.split_once('-') else {
+        return Some((number(part)?, number(part)?, 1));
+    };
     let (last, step) = match rest.split_once('x') {
         Some((last, step)) => (last, number(step)?),
         None => (rest, 1),
@@ -47,7 +55,9 @@ pub(super) fn show(numbers: &[u32]) -> String {
         }
     }
     let more = if runs.len() > 8 { ",..." } else { "" };
-    let run = |&(first, last): &(u32, u32)| if first == last { first.to_string() } else { format!("{first}-{last}") };
+    let run = |&(first, last): &(u32, u32)| {
+        if first == last { first.to_string() } else { format!("{first}-{last}") }
+    };
     runs.iter().take(8).map(run).collect::<Vec<_>>().join(",") + more
 }
 
@@ -64,7 +74,19 @@ mod tests {
 
     #[test]
     fn nonsense_and_eternity_are_refused() {
-        for text in ["", "a", "1-", "-1", "5-1", "1-5x0", "1-5x", "1,,2", "0-4294967295", "99999999999", "+1"] {
+        for text in [
+            "",
+            "a",
+            "1-",
+            "-1",
+            "5-1",
+            "1-5x0",
+            "1-5x",
+            "1,,2",
+            "0-4294967295",
+            "99999999999",
+            "+1",
+        ] {
             assert!(parse(text).is_err(), "{text}");
         }
     }

@@ -30,9 +30,14 @@ pub struct Sequence {
 }
 
 impl Sequence {
-    /// Finds the files of one pattern, one still, or a list of files. A still counts as 1, a list from 1 on. An
-    /// empty `range` is all that are there, from the first to the last in even steps.
-    pub fn find(frames: &[String], folder: &Path, range: &str, missing: Missing) -> Result<Sequence> {
+    /// Finds the files of one pattern, one still, or a list of files. A still counts as 1, a list
+    /// from 1 on. An empty `range` is all that are there, from the first to the last in even steps.
+    pub fn find(
+        frames: &[String],
+        folder: &Path,
+        range: &str,
+        missing: Missing,
+    ) -> Result<Sequence> {
         let found = match frames {
             [] => return Err(Error::config("[input]", "frames", "names no file")),
             [one] => numbered(one, folder)?,
@@ -64,7 +69,11 @@ fn existing(path: PathBuf) -> Result<PathBuf> {
     if path.is_file() {
         return Ok(path);
     }
-    let problem = if path.is_dir() { "is a folder; name a file or a pattern in it".into() } else { absent(&path) };
+    let problem = if path.is_dir() {
+        "is a folder; name a file or a pattern in it".into()
+    } else {
+        absent(&path)
+    };
     Err(Error::file(path, problem))
 }
 
@@ -81,7 +90,8 @@ pub(super) fn absent(path: &Path) -> String {
     let names = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
     let mut names: Vec<String> = names.filter(alike).collect();
     names.sort();
-    let more = if names.len() > 4 { format!(" and {} more", names.len() - 4) } else { String::new() };
+    let more =
+        if names.len() > 4 { format!(" and {} more", names.len() - 4) } else { String::new() };
     names.truncate(4);
     let found = if names.is_empty() { "no file of that kind".into() } else { names.join(", ") };
     format!("not found; in {} there is {found}{more}", folder.display())
@@ -93,7 +103,12 @@ fn even_steps(found: &[(u32, PathBuf)]) -> Result<Vec<u32>> {
     let step = found.windows(2).map(|pair| pair[1].0 - pair[0].0).fold(0, gcd).max(1);
     let count = (last.0 - first.0) / step;
     if count as usize >= range::LONGEST {
-        let problem = format!("runs from number {} to {}; at most {} frames are read", first.0, last.0, range::LONGEST);
+        let problem = format!(
+            "runs from number {} to {}; at most {} frames are read",
+            first.0,
+            last.0,
+            range::LONGEST
+        );
         return Err(Error::file(&last.1, problem));
     }
     Ok((0..=count).map(|i| first.0 + i * step).collect())
@@ -104,9 +119,15 @@ fn gcd(a: u32, b: u32) -> u32 {
 }
 
 /// Gives each wanted number its file, and each gap the policy's.
-fn laid_out(name: &Path, found: &[(u32, PathBuf)], wanted: Vec<u32>, missing: Missing) -> Result<Sequence> {
+fn laid_out(
+    name: &Path,
+    found: &[(u32, PathBuf)],
+    wanted: Vec<u32>,
+    missing: Missing,
+) -> Result<Sequence> {
     let file_of = |number: u32| found.binary_search_by_key(&number, |found| found.0).ok();
-    let held: Vec<u32> = wanted.iter().copied().filter(|&number| file_of(number).is_none()).collect();
+    let held: Vec<u32> =
+        wanted.iter().copied().filter(|&number| file_of(number).is_none()).collect();
     let nothing_to_hold = !held.is_empty() && held.first() == wanted.first();
     if !held.is_empty() && (missing == Missing::Error || nothing_to_hold) {
         let hint = if nothing_to_hold {
@@ -115,10 +136,15 @@ fn laid_out(name: &Path, found: &[(u32, PathBuf)], wanted: Vec<u32>, missing: Mi
             "missing = \"hold\" shows the one before"
         };
         let there = match (found.first(), found.last()) {
-            (Some(first), Some(last)) => format!("{} are there, {} to {}", found.len(), first.0, last.0),
+            (Some(first), Some(last)) => {
+                format!("{} are there, {} to {}", found.len(), first.0, last.0)
+            }
             _ => "none is there".into(),
         };
-        return Err(Error::file(name, format!("numbers {} have no file ({there}); {hint}", range::show(&held))));
+        return Err(Error::file(
+            name,
+            format!("numbers {} have no file ({there}); {hint}", range::show(&held)),
+        ));
     }
     let mut files: Vec<PathBuf> = Vec::new();
     let mut shows = Vec::with_capacity(wanted.len());
@@ -143,13 +169,24 @@ mod tests {
         folder
     }
 
-    fn find(folder: &tempfile::TempDir, frames: &[&str], range: &str, missing: Missing) -> Result<Sequence, String> {
+    fn find(
+        folder: &tempfile::TempDir,
+        frames: &[&str],
+        range: &str,
+        missing: Missing,
+    ) -> Result<Sequence, String> {
         let frames: Vec<String> = frames.iter().map(|name| name.to_string()).collect();
         Sequence::find(&frames, folder.path(), range, missing).map_err(|error| error.to_string())
     }
 
-    const SUN: [&str; 6] =
-        ["sun.0001.exr", "sun.0002.exr", "sun.0004.exr", "sun.10000.exr", "sun.x.exr", "other.0003.exr"];
+    const SUN: [&str; 6] = [
+        "sun.0001.exr",
+        "sun.0002.exr",
+        "sun.0004.exr",
+        "sun.10000.exr",
+        "sun.x.exr",
+        "other.0003.exr",
+    ];
 
     #[test]
     fn every_way_to_write_four_digits_finds_the_same_files() {
@@ -165,9 +202,15 @@ mod tests {
     fn a_gap_is_an_error_that_names_it_or_shows_the_frame_before() {
         let folder = folder(&SUN[..3]);
         let message = find(&folder, &["sun.####.exr"], "", Missing::Error).unwrap_err();
-        assert!(message.contains("numbers 3 have no file") && message.contains("sun.####.exr"), "{message}");
+        assert!(
+            message.contains("numbers 3 have no file") && message.contains("sun.####.exr"),
+            "{message}"
+        );
         let held = find(&folder, &["sun.####.exr"], "", Missing::Hold).unwrap();
-        assert_eq!((held.numbers, held.shows, held.held), (vec![1, 2, 3, 4], vec![0, 1, 1, 2], vec![3]));
+        assert_eq!(
+            (held.numbers, held.shows, held.held),
+            (vec![1, 2, 3, 4], vec![0, 1, 1, 2], vec![3])
+        );
         let message = find(&folder, &["sun.####.exr"], "0-2", Missing::Hold).unwrap_err();
         assert!(message.contains("none before it"), "{message}");
     }
@@ -201,7 +244,10 @@ mod tests {
     fn what_is_not_there_is_answered_with_what_is() {
         let folder = folder(&SUN);
         let message = find(&folder, &["sin.exr"], "", Missing::Error).unwrap_err();
-        assert!(message.contains("not found; in ") && message.contains("other.0003.exr"), "{message}");
+        assert!(
+            message.contains("not found; in ") && message.contains("other.0003.exr"),
+            "{message}"
+        );
         let message = find(&folder, &["moon.####.exr"], "", Missing::Error).unwrap_err();
         assert!(message.contains("moon.####.exr") && message.contains("sun.0001.exr"), "{message}");
         let message = find(&folder, &["no/folder/sun.####.exr"], "", Missing::Error).unwrap_err();

@@ -24,8 +24,11 @@ pub fn read_state(path: &Path, max_pixels: u64) -> Result<Planes> {
     let mut places = Vec::new();
     for wanted in CHANNELS {
         let Some(channel) = names.iter().position(|name| name == wanted) else {
-            let problem =
-                format!("is not a state file: found channels {}; needed {}", names.join(", "), CHANNELS.join(", "));
+            let problem = format!(
+                "is not a state file: found channels {}; needed {}",
+                names.join(", "),
+                CHANNELS.join(", ")
+            );
             return Err(Error::file(path, problem));
         };
         places.push(part.place(channel));
@@ -60,7 +63,14 @@ mod tests {
     fn a_picture_is_no_state() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("picture.exr");
-        write_exr(&path, &["R", "G", "B"], &Planes::float(2, 2, 3), Compression::None, &About::default()).unwrap();
+        write_exr(
+            &path,
+            &["R", "G", "B"],
+            &Planes::float(2, 2, 3),
+            Compression::None,
+            &About::default(),
+        )
+        .unwrap();
         let problem = read_state(&path, 1000).unwrap_err().to_string();
         assert!(problem.contains("unbleached.L") && problem.contains("picture.exr"), "{problem}");
     }

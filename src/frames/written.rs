@@ -1,7 +1,8 @@
 //! Pictures out: OpenEXR with its blocks compressed in the current rayon pool, and sRGB PNG.
 //!
-//! The same planes give the same bytes, whatever the number of threads. (The `exr` crate keeps free attributes in
-//! a hash map, so there is only one, `sungaze`; everything else goes into named fields.)
+//! The same planes give the same bytes, whatever the number of threads. (The `exr` crate keeps free
+//! attributes in a hash map, so there is only one, `sungaze`; everything else goes into named
+//! fields.)
 
 use std::path::Path;
 use std::str::FromStr;
@@ -11,7 +12,8 @@ use exr::block::writer::ChunksWriter;
 use exr::math::Vec2;
 use exr::meta::BlockDescription;
 use exr::meta::attribute::{
-    AttributeValue, ChannelDescription, Chromaticities, IntegerBounds, LineOrder, Rational, SampleType, Text,
+    AttributeValue, ChannelDescription, Chromaticities, IntegerBounds, LineOrder, Rational,
+    SampleType, Text,
 };
 use exr::meta::header::Header;
 use half::f16;
@@ -93,10 +95,18 @@ pub struct About {
     pub sungaze: Option<String>,
 }
 
-/// Writes planes as the channels `names`, each plane in the width that it has. Halves beyond the largest finite
-/// half are written as that.
-pub fn write_exr(path: &Path, names: &[&str], planes: &Planes, compression: Compression, about: &About) -> Result<()> {
-    let failed = |error: exr::error::Error| Error::file(path, format!("cannot be written as OpenEXR: {error}"));
+/// Writes planes as the channels `names`, each plane in the width that it has. Halves beyond the
+/// largest finite half are written as that.
+pub fn write_exr(
+    path: &Path,
+    names: &[&str],
+    planes: &Planes,
+    compression: Compression,
+    about: &About,
+) -> Result<()> {
+    let failed = |error: exr::error::Error| {
+        Error::file(path, format!("cannot be written as OpenEXR: {error}"))
+    };
     let (header, order) = header(names, planes, compression, about);
     let lines = header.compression.scan_lines_per_block();
     let row_length = planes.width * header.channels.bytes_per_pixel;
@@ -115,8 +125,14 @@ pub fn write_exr(path: &Path, names: &[&str], planes: &Planes, compression: Comp
     write_whole(path, |sink| {
         let written = exr::block::write(sink, [header].into_iter().collect(), true, |_, writer| {
             for (i, compressed_pixels_le) in blocks.into_iter().enumerate() {
-                let block = CompressedScanLineBlock { y_coordinate: (i * lines) as i32, compressed_pixels_le };
-                writer.write_chunk(i, Chunk { layer_index: 0, compressed_block: CompressedBlock::ScanLine(block) })?;
+                let block = CompressedScanLineBlock {
+                    y_coordinate: (i * lines) as i32,
+                    compressed_pixels_le,
+                };
+                writer.write_chunk(
+                    i,
+                    Chunk { layer_index: 0, compressed_block: CompressedBlock::ScanLine(block) },
+                )?;
             }
             Ok(())
         });
@@ -128,14 +144,20 @@ pub fn write_exr(path: &Path, names: &[&str], planes: &Planes, compression: Comp
 }
 
 /// The header, and the plane of each channel in the file's alphabetical order.
-fn header(names: &[&str], planes: &Planes, compression: Compression, about: &About) -> (Header, Vec<usize>) {
+fn header(
+    names: &[&str],
+    planes: &Planes,
+    compression: Compression,
+    about: &About,
+) -> (Header, Vec<usize>) {
     let kind = match planes.samples {
         Samples::Half(_) => SampleType::F16,
         Samples::Float(_) => SampleType::F32,
     };
     let mut order: Vec<usize> = (0..names.len()).collect();
     order.sort_by_key(|&plane| names[plane]);
-    let channels = order.iter().map(|&plane| ChannelDescription::named(names[plane], kind)).collect();
+    let channels =
+        order.iter().map(|&plane| ChannelDescription::named(names[plane], kind)).collect();
     let size = Vec2(planes.width, planes.height);
     let mut header = Header::new(Text::default(), size, channels).with_encoding(
         compression.in_file(),
@@ -150,7 +172,8 @@ fn header(names: &[&str], planes: &Planes, compression: Compression, about: &Abo
     own.white_luminance = about.white.map(|white| white.0 as f32);
     own.frames_per_second = about.frames_per_second.map(rational);
     let text = |json: &str| Text::new_or_none(json_ascii(json)).map(AttributeValue::Text);
-    own.other.extend(about.sungaze.as_deref().and_then(text).map(|text| (Text::from("sungaze"), text)));
+    own.other
+        .extend(about.sungaze.as_deref().and_then(text).map(|text| (Text::from("sungaze"), text)));
     (header, order)
 }
 
@@ -174,7 +197,8 @@ fn chromaticities(primaries: Primaries) -> Chromaticities {
     }
 }
 
-/// A frame rate as film and video count it: whole, or a whole number of frames in 1.001 s, or in thousandths.
+/// A frame rate as film and video count it: whole, or a whole number of frames in 1.001 s, or in
+/// thousandths.
 fn rational(rate: f64) -> Rational {
     let ntsc = rate * 1.001;
     if (rate - rate.round()).abs() < 1e-6 {
@@ -192,12 +216,16 @@ fn fill_row(planes: &Planes, y: usize, order: &[usize], bytes: &mut [u8]) {
     let channels = order.iter().zip(bytes.chunks_exact_mut(bytes.len() / order.len()));
     match planes.row(y) {
         Row::Half(row) => channels.for_each(|(plane, bytes)| {
-            for (bytes, half) in bytes.as_chunks_mut().0.iter_mut().zip(&row[plane * width..][..width]) {
+            for (bytes, half) in
+                bytes.as_chunks_mut().0.iter_mut().zip(&row[plane * width..][..width])
+            {
                 *bytes = finite(*half).to_le_bytes();
             }
         }),
         Row::Float(row) => channels.for_each(|(plane, bytes)| {
-            for (bytes, float) in bytes.as_chunks_mut().0.iter_mut().zip(&row[plane * width..][..width]) {
+            for (bytes, float) in
+                bytes.as_chunks_mut().0.iter_mut().zip(&row[plane * width..][..width])
+            {
                 *bytes = float.to_le_bytes();
             }
         }),

@@ -1,4 +1,5 @@
-//! The ZIP code of OpenEXR: bytes of even and of odd place apart, differences of neighbours, deflate.
+//! The ZIP code of OpenEXR: bytes of even and of odd place apart, differences of neighbours,
+//! deflate.
 //!
 //! Technical Introduction to OpenEXR, "Data Compression".
 

@@ -1,7 +1,8 @@
 //! Weighted sums over the bands of a spectral row: a small matrix times every place's spectrum.
 //!
-//! Written out in vectors, because a sum over thirty runs that lie a row apart is read from memory as fast as it is
-//! asked for, and no faster. Bands are added in their order; products and sums are not contracted.
+//! Written out in vectors, because a sum over thirty runs that lie a row apart is read from memory
+//! as fast as it is asked for, and no faster. Bands are added in their order; products and sums are
+//! not contracted.
 
 use pulp::{Simd, WithSimd};
 
@@ -10,7 +11,8 @@ use super::{Strip, ask_for, vectorised};
 /// Sums that are carried at once where there are 32 registers: they, the light and a product.
 const GROUP: usize = 12;
 
-/// Sums that are carried at once, over two vectors of light, where there are sixteen registers or few sums are left.
+/// Sums that are carried at once, over two vectors of light, where there are sixteen registers or
+/// few sums are left.
 const PART: usize = 6;
 
 /// How far ahead a run is asked for, in samples.
@@ -20,7 +22,8 @@ const AHEAD: usize = 96;
 #[derive(Clone, Debug, PartialEq)]
 pub struct BandSums {
     rows: usize,
-    /// Group after group: the weights of its sums in each band, in order of bands; zeros fill the last group.
+    /// Group after group: the weights of its sums in each band, in order of bands; zeros fill the
+    /// last group.
     groups: Vec<Vec<[f32; GROUP]>>,
 }
 
@@ -70,9 +73,12 @@ impl WithSimd for Project<'_> {
             return self.with_simd(pulp::Scalar);
         }
         if width < pair {
-            return (0..self.sums.rows).step_by(PART).for_each(|from| self.add::<S, PART, 1>(simd, from, 0));
+            return (0..self.sums.rows)
+                .step_by(PART)
+                .for_each(|from| self.add::<S, PART, 1>(simd, from, 0));
         }
-        // Pair after pair; the last one overlaps the one before: each place is summed alike wherever it stands in a vector.
+        // Pair after pair; the last one overlaps the one before: each place is summed alike
+        // wherever it stands in a vector.
         for at in (0..width - pair).step_by(pair) {
             self.pair(simd, at);
         }
@@ -99,7 +105,12 @@ impl Project<'_> {
 
     /// `ROWS` sums from row `from` on, over `VECTORS` vectors of places.
     #[inline(always)]
-    fn add<S: Simd, const ROWS: usize, const VECTORS: usize>(&mut self, simd: S, from: usize, at: usize) {
+    fn add<S: Simd, const ROWS: usize, const VECTORS: usize>(
+        &mut self,
+        simd: S,
+        from: usize,
+        at: usize,
+    ) {
         let (group, first) = (&self.sums.groups[from / GROUP], from % GROUP);
         let ahead = self.light.ahead(at, AHEAD);
         let places = VECTORS * S::F32_LANES;
@@ -134,17 +145,22 @@ mod tests {
     fn every_place_gets_the_sum_of_its_own_bands_and_the_same_bits_on_every_processor() {
         let (bands, width) = (31, 77);
         let light: Vec<f32> = (0..bands * width).map(|i| ((i * 37) % 101) as f32 * 0.37).collect();
-        let rows: Vec<Vec<f32>> =
-            (0..7).map(|r| (0..bands).map(|b| ((r * 13 + b * 7) % 17) as f32 - 8.0).collect()).collect();
+        let rows: Vec<Vec<f32>> = (0..7)
+            .map(|r| (0..bands).map(|b| ((r * 13 + b * 7) % 17) as f32 - 8.0).collect())
+            .collect();
         let mut sums = BandSums::new(7, bands);
         rows.iter().enumerate().for_each(|(i, row)| sums.set(i, row.iter().copied()));
         let (mut best, mut plain) = (vec![0.0; 7 * width], vec![0.0; 7 * width]);
         sums.project(Strip::whole(&light, width), &mut best);
-        Project { sums: &sums, light: Strip::whole(&light, width), out: &mut plain }.with_simd(pulp::Scalar);
+        Project { sums: &sums, light: Strip::whole(&light, width), out: &mut plain }
+            .with_simd(pulp::Scalar);
         assert_eq!(best, plain);
         for (row, weights) in rows.iter().enumerate() {
             for x in 0..width {
-                let sum = weights.iter().enumerate().fold(0.0, |sum, (b, w)| sum + w * light[b * width + x]);
+                let sum = weights
+                    .iter()
+                    .enumerate()
+                    .fold(0.0, |sum, (b, w)| sum + w * light[b * width + x]);
                 assert_eq!(best[row * width + x], sum);
             }
         }

@@ -53,7 +53,8 @@ mod tests {
 
     #[test]
     fn every_instruction_set_gives_the_same_bits() {
-        let numbers = |scale: f64| (0..99).map(|i| (scale * f64::from(i)).sin()).collect::<Vec<f64>>();
+        let numbers =
+            |scale: f64| (0..99).map(|i| (scale * f64::from(i)).sin()).collect::<Vec<f64>>();
         let (from, to) = (numbers(0.3), numbers(0.7));
         let (mut best, mut plain) = (vec![0.0; 99], vec![0.0; 99]);
         between(&from, &to, 0.3, &mut best);

@@ -5,12 +5,14 @@
 //! decay:  e^-z = 2^n e^r,   n = round(-z/ln 2),   r = -z - n ln 2        any z >= 0
 //! ```
 //!
-//! Both polynomials interpolate at Chebyshev nodes (degree 4, truncated by 8.4e-17; degree 11, by 2e-17); rounding
-//! makes the errors below. ln 2 is taken in two parts (Cody & Waite 1980), the first with bits to spare.
+//! Both polynomials interpolate at Chebyshev nodes (degree 4, truncated by 8.4e-17; degree 11, by
+//! 2e-17); rounding makes the errors below. ln 2 is taken in two parts (Cody & Waite 1980), the
+//! first with bits to spare.
 
 use std::f64::consts::LOG2_E;
 
-/// The largest z of [`mean_decay_short`]. At 24 frames a second and 2e4 td of half-bleach light: 3e5 td.
+/// The largest z of [`mean_decay_short`]. At 24 frames a second and 2e4 td of half-bleach light:
+/// 3e5 td.
 pub const SHORT: f64 = 0.006;
 
 /// The z from which [`decay`] gives 0: e^-708 is the last that is sure not to be denormal.
@@ -54,7 +56,8 @@ pub fn decay(z: f64) -> f64 {
     if z < LONGEST { power * (1.0 + q) } else { 0.0 }
 }
 
-/// 2^n and e^r - 1, of which e^-z is made: `power (1 + q)`. Where 2^n is 1, q is e^-z - 1 to its last digit.
+/// 2^n and e^r - 1, of which e^-z is made: `power (1 + q)`. Where 2^n is 1, q is e^-z - 1 to its
+/// last digit.
 #[inline(always)]
 pub(super) fn parts(z: f64) -> (f64, f64) {
     let bounded = if z < LONGEST { z } else { LONGEST };

@@ -78,8 +78,10 @@ mod tests {
     fn extremes_are_found_wherever_they_lie() {
         for n in [1, 15, 16, 17, 100] {
             for at in [0, n / 2, n - 1] {
-                let light: Vec<f32> = (0..n).map(|i| if i == at { 7.0 } else { i as f32 / n as f32 }).collect();
-                let pigment: Vec<f64> = (0..n).map(|i| if i == at { 0.1 } else { 0.5 + i as f64 }).collect();
+                let light: Vec<f32> =
+                    (0..n).map(|i| if i == at { 7.0 } else { i as f32 / n as f32 }).collect();
+                let pigment: Vec<f64> =
+                    (0..n).map(|i| if i == at { 0.1 } else { 0.5 + i as f64 }).collect();
                 assert_eq!((greatest(&light), least(&pigment)), (7.0, 0.1));
                 let dim: Vec<f32> = pigment.iter().map(|&p| p as f32).collect();
                 assert_eq!(dimmest(&dim), 0.1);

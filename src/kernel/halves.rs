@@ -1,4 +1,5 @@
-//! Half floats to single ones and back, whole runs at once. Rounding is to nearest, ties to even, on every path.
+//! Half floats to single ones and back, whole runs at once. Rounding is to nearest, ties to even,
+//! on every path.
 
 use half::f16;
 use half::slice::HalfFloatSliceExt;
@@ -32,9 +33,9 @@ mod f16c {
     use super::super::{TILE, ask_for};
     use half::f16;
     use std::arch::x86_64::{
-        __m128i, _MM_FROUND_TO_NEAREST_INT, _mm_and_si128, _mm_cmpeq_epi16, _mm_loadu_si128, _mm_movemask_epi8,
-        _mm_or_si128, _mm_set1_epi16, _mm_setzero_si128, _mm_storeu_si128, _mm256_cvtph_ps, _mm256_cvtps_ph,
-        _mm256_loadu_ps, _mm256_storeu_ps,
+        __m128i, _MM_FROUND_TO_NEAREST_INT, _mm_and_si128, _mm_cmpeq_epi16, _mm_loadu_si128,
+        _mm_movemask_epi8, _mm_or_si128, _mm_set1_epi16, _mm_setzero_si128, _mm_storeu_si128,
+        _mm256_cvtph_ps, _mm256_cvtps_ph, _mm256_loadu_ps, _mm256_storeu_ps,
     };
 
     /// # Safety
@@ -65,9 +66,13 @@ mod f16c {
         for (from, to) in from.iter().zip(to) {
             // SAFETY: both are arrays of eight; the loads and stores need no alignment.
             unsafe {
-                let halves = _mm256_cvtps_ph::<_MM_FROUND_TO_NEAREST_INT>(_mm256_loadu_ps(from.as_ptr()));
+                let halves =
+                    _mm256_cvtps_ph::<_MM_FROUND_TO_NEAREST_INT>(_mm256_loadu_ps(from.as_ptr()));
                 _mm_storeu_si128(to.as_mut_ptr().cast::<__m128i>(), halves);
-                overflown = _mm_or_si128(overflown, _mm_cmpeq_epi16(_mm_and_si128(halves, magnitude), infinite));
+                overflown = _mm_or_si128(
+                    overflown,
+                    _mm_cmpeq_epi16(_mm_and_si128(halves, magnitude), infinite),
+                );
             }
         }
         for (from, to) in from_rest.iter().zip(&mut *to_rest) {

@@ -1,11 +1,12 @@
-//! The inner loops over a run of places: light -> cone illuminance, illuminance -> pigment, light and pigment ->
-//! percept. Nowhere else is speed written.
+//! The inner loops over a run of places: light -> cone illuminance, illuminance -> pigment, light
+//! and pigment -> percept. Nowhere else is speed written.
 //!
-//! A *tile*, up to [`TILE`] places of one row, goes the whole way before the next one begins, so that everything
-//! between the light and the percept stays in the first cache. Each loop does one small thing to whole runs: those
-//! are the loops that compilers vectorise, here for whatever the processor has, found when the program runs.
-//! Products and sums are never contracted, so the bits are the same on every processor; each place is computed alike
-//! wherever its tile begins, so they are the same however a row is cut.
+//! A *tile*, up to [`TILE`] places of one row, goes the whole way before the next one begins, so
+//! that everything between the light and the percept stays in the first cache. Each loop does one
+//! small thing to whole runs: those are the loops that compilers vectorise, here for whatever the
+//! processor has, found when the program runs. Products and sums are never contracted, so the bits
+//! are the same on every processor; each place is computed alike wherever its tile begins, so they
+//! are the same however a row is cut.
 
 mod bands;
 mod between;
@@ -27,7 +28,8 @@ pub use sums::{combine, floored, illuminance, weaken};
 
 use crate::light::Row;
 
-/// Most places of a tile: the planes of RGB light, trolands, pigment and percept of so many take 15 KiB.
+/// Most places of a tile: the planes of RGB light, trolands, pigment and percept of so many take 15
+/// KiB.
 pub const TILE: usize = 256;
 
 /// Samples of a [`Room`]'s light.
@@ -72,8 +74,8 @@ impl<'a> Strip<'a> {
         Strip { samples, stride: width, from: 0, width }
     }
 
-    /// The run of `width` places that begins at `from`. Halves are widened into `room`, which must be as long as
-    /// all planes of the run ([`tiles`] sees to that).
+    /// The run of `width` places that begins at `from`. Halves are widened into `room`, which must
+    /// be as long as all planes of the run ([`tiles`] sees to that).
     pub fn of(row: Row<'a>, count: usize, from: usize, width: usize, room: &'a mut [f32]) -> Self {
         match row {
             Row::Float(samples) => Strip { samples, stride: samples.len() / count, from, width },
@@ -98,8 +100,8 @@ impl<'a> Strip<'a> {
         self.samples.len() / self.stride
     }
 
-    /// How far behind place `at` of a plane its place `at` + `places` is stored: in the next row, if this one ends
-    /// before.
+    /// How far behind place `at` of a plane its place `at` + `places` is stored: in the next row,
+    /// if this one ends before.
     #[inline(always)]
     fn ahead(&self, at: usize, places: usize) -> usize {
         let in_row = self.from + at + places < self.stride;
@@ -135,8 +137,8 @@ pub fn ask_for_run<T>(run: &[T], ahead: usize) {
     }
 }
 
-/// Asks the processor for samples that will be wanted soon: a run that is read tile by tile, here and there, comes
-/// from memory no faster than it is asked for.
+/// Asks the processor for samples that will be wanted soon: a run that is read tile by tile, here
+/// and there, comes from memory no faster than it is asked for.
 #[inline(always)]
 fn ask_for<T>(sample: *const T) {
     #[cfg(target_arch = "x86_64")]

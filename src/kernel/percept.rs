@@ -6,9 +6,9 @@
 //! seen = A R
 //! ```
 //!
-//! Where all three p are 1 the light itself is returned: RGB as it came in, moments as their catch at p = 1. (p
-//! counts as 1 where it is nearer to 1 than to any other f32.) Written out in vectors, of which the last may overlap
-//! the one before.
+//! Where all three p are 1 the light itself is returned: RGB as it came in, moments as their catch
+//! at p = 1. (p counts as 1 where it is nearer to 1 than to any other f32.) Written out in vectors,
+//! of which the last may overlap the one before.
 
 use std::ops::Range;
 
@@ -23,7 +23,8 @@ use crate::percept::{Levels, Vision};
 pub struct PerceptForm {
     reception: Reception,
     lms_to_seen: [[f32; 3]; 3],
-    /// `[cone]`: polynomials whose largest is the peak, lowest power first; empty for the `depleted` reading.
+    /// `[cone]`: polynomials whose largest is the peak, lowest power first; empty for the
+    /// `depleted` reading.
     peaks: [Vec<[f32; 5]>; 3],
 }
 
@@ -32,7 +33,8 @@ pub struct PerceptForm {
 enum Reception {
     /// `[cone][plane]`: the plane's weight, a cubic in p, lowest power first.
     Rgb([[[f32; 4]; 3]; 3]),
-    /// The planes of cone k are its three moments, from plane 3 k on; the cubics that mix them, lowest power first.
+    /// The planes of cone k are its three moments, from plane 3 k on; the cubics that mix them,
+    /// lowest power first.
     Moments { outer: [f32; 4], middle: [f32; 4] },
 }
 
@@ -50,10 +52,13 @@ impl PerceptForm {
         let peak = |values: &Vec<f64>| levels.polynomial(values).map(|c| c as f32);
         PerceptForm {
             reception: match levels {
-                Levels::Four => Reception::Rgb([0, 1, 2].map(|k| [0, 1, 2].map(|plane| of_rgb(k, plane)))),
-                Levels::Three { outer, middle } => {
-                    Reception::Moments { outer: outer.map(|c| c as f32), middle: middle.map(|c| c as f32) }
+                Levels::Four => {
+                    Reception::Rgb([0, 1, 2].map(|k| [0, 1, 2].map(|plane| of_rgb(k, plane))))
                 }
+                Levels::Three { outer, middle } => Reception::Moments {
+                    outer: outer.map(|c| c as f32),
+                    middle: middle.map(|c| c as f32),
+                },
             },
             lms_to_seen: single(&vision.lms_to_seen),
             peaks: match vision.peaks() {
@@ -72,8 +77,8 @@ struct Percept<'a> {
     seen: [&'a mut [f32]; 3],
 }
 
-/// The percept of a tile. `light`: its planes; `p`: unbleached fractions of L, M, S; `single`: room for them in
-/// single precision; `seen`: R, G, B.
+/// The percept of a tile. `light`: its planes; `p`: unbleached fractions of L, M, S; `single`: room
+/// for them in single precision; `seen`: R, G, B.
 pub fn percept(
     form: &PerceptForm,
     light: Strip<'_>,
@@ -119,7 +124,11 @@ fn look<S: Simd>(
     seen: [&mut [f32]; 3],
 ) {
     let [l, m, s] = p;
-    let p = [vectors::<S>(&l[range.clone()]), vectors::<S>(&m[range.clone()]), vectors::<S>(&s[range.clone()])];
+    let p = [
+        vectors::<S>(&l[range.clone()]),
+        vectors::<S>(&m[range.clone()]),
+        vectors::<S>(&s[range.clone()]),
+    ];
     let [r, g, b] = seen;
     let mut seen = [
         S::as_mut_simd_f32s(&mut r[range.clone()]).0,
@@ -133,7 +142,8 @@ fn look<S: Simd>(
                 *plane = vectors::<S>(&light.plane(i)[range.clone()]);
             }
             for x in 0..p[0].len() {
-                let (p, light) = ([p[0][x], p[1][x], p[2][x]], [planes[0][x], planes[1][x], planes[2][x]]);
+                let (p, light) =
+                    ([p[0][x], p[1][x], p[2][x]], [planes[0][x], planes[1][x], planes[2][x]]);
                 let rgb = seen_of_rgb(simd, form, weights, p, light);
                 for i in 0..3 {
                     seen[i][x] = rgb[i];
@@ -177,7 +187,8 @@ fn seen_of_rgb<S: Simd>(
     for k in 0..3 {
         let mut sum = simd.mul_f32s(polynomial(simd, &weights[k][0], p[k]), light[0]);
         for i in 1..3 {
-            sum = simd.add_f32s(sum, simd.mul_f32s(polynomial(simd, &weights[k][i], p[k]), light[i]));
+            sum =
+                simd.add_f32s(sum, simd.mul_f32s(polynomial(simd, &weights[k][i], p[k]), light[i]));
         }
         catch[k] = finished(simd, &form.peaks[k], p[k], sum, sum);
     }
@@ -186,24 +197,36 @@ fn seen_of_rgb<S: Simd>(
     let unbleached = simd.and_m32s(lm, simd.equal_f32s(p[2], one));
     let mut seen = light;
     for i in 0..3 {
-        seen[i] = simd.select_f32s(unbleached, light[i], row_times(simd, &form.lms_to_seen[i], catch));
+        seen[i] =
+            simd.select_f32s(unbleached, light[i], row_times(simd, &form.lms_to_seen[i], catch));
     }
     seen
 }
 
 /// Catch per pigment of three moments.
 #[inline(always)]
-fn mixed<S: Simd>(simd: S, [outer, middle]: [&[f32; 4]; 2], p: S::f32s, m: [S::f32s; 3]) -> S::f32s {
+fn mixed<S: Simd>(
+    simd: S,
+    [outer, middle]: [&[f32; 4]; 2],
+    p: S::f32s,
+    m: [S::f32s; 3],
+) -> S::f32s {
     let outer = simd.mul_f32s(polynomial(simd, outer, p), simd.sub_f32s(m[0], m[2]));
     let middle = simd.mul_f32s(polynomial(simd, middle, p), simd.sub_f32s(m[1], m[2]));
     let bleached = simd.sub_f32s(simd.splat_f32s(1.0), p);
     simd.add_f32s(m[2], simd.mul_f32s(bleached, simd.add_f32s(outer, middle)))
 }
 
-/// Catch per pigment -> catch: times p, or for the `narrowed` reading over its own peak. That of a whole pigment is
-/// known.
+/// Catch per pigment -> catch: times p, or for the `narrowed` reading over its own peak. That of a
+/// whole pigment is known.
 #[inline(always)]
-fn finished<S: Simd>(simd: S, peaks: &[[f32; 5]], p: S::f32s, per_pigment: S::f32s, whole: S::f32s) -> S::f32s {
+fn finished<S: Simd>(
+    simd: S,
+    peaks: &[[f32; 5]],
+    p: S::f32s,
+    per_pigment: S::f32s,
+    whole: S::f32s,
+) -> S::f32s {
     if peaks.is_empty() {
         return simd.mul_f32s(p, per_pigment);
     }
@@ -211,7 +234,11 @@ fn finished<S: Simd>(simd: S, peaks: &[[f32; 5]], p: S::f32s, per_pigment: S::f3
     for peak in peaks {
         greatest = simd.max_f32s(greatest, polynomial(simd, peak, p));
     }
-    simd.select_f32s(simd.equal_f32s(p, simd.splat_f32s(1.0)), whole, simd.div_f32s(per_pigment, greatest))
+    simd.select_f32s(
+        simd.equal_f32s(p, simd.splat_f32s(1.0)),
+        whole,
+        simd.div_f32s(per_pigment, greatest),
+    )
 }
 
 /// c0 + c1 p + c2 p^2 + ..
@@ -241,27 +268,46 @@ mod tests {
     use crate::spectrum::Bands;
     use crate::units::Nits;
 
-    const FRACTIONS: [[f64; 3]; 5] =
-        [[0.9, 0.8, 0.7], [1e-6, 1e-5, 0.5], [1.0, 0.3, 1.0], [0.999_999, 1.0, 1.0], [1.0, 1.0, 1.0]];
+    const FRACTIONS: [[f64; 3]; 5] = [
+        [0.9, 0.8, 0.7],
+        [1e-6, 1e-5, 0.5],
+        [1.0, 0.3, 1.0],
+        [0.999_999, 1.0, 1.0],
+        [1.0, 1.0, 1.0],
+    ];
 
     fn seen(form: &PerceptForm, planes: &[f32], p: [f64; 3]) -> [f32; 3] {
         let mut seen = [0.0; 3];
         let [r, g, b] = &mut seen;
         let out = [r, g, b].map(std::slice::from_mut);
-        percept(form, Strip::whole(planes, 1), p.each_ref().map(std::slice::from_ref), &mut [[0.0; TILE]; 3], out);
+        percept(
+            form,
+            Strip::whole(planes, 1),
+            p.each_ref().map(std::slice::from_ref),
+            &mut [[0.0; TILE]; 3],
+            out,
+        );
         seen
     }
 
     fn agrees(vision: &Vision, light: &[f32]) {
         let form = PerceptForm::new(vision);
-        let planes = Planes { width: 1, height: 1, count: light.len(), samples: Samples::Float(light.to_vec()) };
+        let planes = Planes {
+            width: 1,
+            height: 1,
+            count: light.len(),
+            samples: Samples::Float(light.to_vec()),
+        };
         let moments = vision.moments(&planes, 0, 0);
         for p in FRACTIONS {
             let ours = seen(&form, light, p);
             let exact = crate::colour::apply(&vision.lms_to_seen, vision.catch(&moments, p));
             let size = exact.iter().fold(0.0f64, |a, v| a.max(v.abs()));
             for (ours, exact) in ours.iter().zip(exact) {
-                assert!((f64::from(*ours) - exact).abs() < 1e-5 * size, "{p:?}: {ours:?} {exact:?}");
+                assert!(
+                    (f64::from(*ours) - exact).abs() < 1e-5 * size,
+                    "{p:?}: {ours:?} {exact:?}"
+                );
             }
         }
     }
@@ -275,7 +321,10 @@ mod tests {
     #[test]
     fn the_run_agrees_with_the_scalar_percept_of_rgb() {
         for observer in [Observer::standard(), narrowing_observer()] {
-            agrees(&Vision::of_rgb(observer, &Primaries::REC709, Nits(100.0)).unwrap(), &[0.7, 0.2, 0.05]);
+            agrees(
+                &Vision::of_rgb(observer, &Primaries::REC709, Nits(100.0)).unwrap(),
+                &[0.7, 0.2, 0.05],
+            );
         }
     }
 

@@ -6,9 +6,9 @@
 //! z <= 0.006:     p1 = p + (h/tau) phi(z) (1 - a p),   phi(z) = (1 - e^-z)/z
 //! ```
 //!
-//! Each form cancels nothing where it is taken; the last needs no division. Which one a place takes depends on its
-//! own light only; the greatest light of a [`SPAN`] of places decides whether the first two are computed at all. In
-//! the dark p = 1 stays 1 bit for bit, infinite light leaves 0.
+//! Each form cancels nothing where it is taken; the last needs no division. Which one a place takes
+//! depends on its own light only; the greatest light of a [`SPAN`] of places decides whether the
+//! first two are computed at all. In the dark p = 1 stays 1 bit for bit, infinite light leaves 0.
 
 use pulp::{Simd, WithSimd};
 
@@ -34,7 +34,12 @@ impl FirstOrderForm {
         let steps_of_tau = dt.0 / pigment.tau.0;
         let little = (SHORT / steps_of_tau - 1.0) * pigment.half_bleach.0 * (1.0 - 1e-6);
         let per_half_bleach = 1.0 / pigment.half_bleach.0;
-        FirstOrderForm { per_half_bleach, steps_of_tau, bleach: steps_of_tau * per_half_bleach, little: little as f32 }
+        FirstOrderForm {
+            per_half_bleach,
+            steps_of_tau,
+            bleach: steps_of_tau * per_half_bleach,
+            little: little as f32,
+        }
     }
 
     #[inline(always)]
@@ -84,7 +89,8 @@ impl WithSimd for Relax<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> f64 {
-        let ((spans, rest), (light, light_rest)) = (self.p.as_chunks_mut::<SPAN>(), self.light.as_chunks::<SPAN>());
+        let ((spans, rest), (light, light_rest)) =
+            (self.p.as_chunks_mut::<SPAN>(), self.light.as_chunks::<SPAN>());
         let mut least = simd.splat_f64s(1.0);
         for (p, light) in spans.iter_mut().zip(light) {
             for line in (0..SPAN).step_by(8) {
@@ -105,7 +111,13 @@ impl WithSimd for Relax<'_> {
 }
 
 #[inline(always)]
-fn relax_span<S: Simd>(simd: S, form: FirstOrderForm, light: &[f32; SPAN], p: &mut [f64; SPAN], least: &mut S::f64s) {
+fn relax_span<S: Simd>(
+    simd: S,
+    form: FirstOrderForm,
+    light: &[f32; SPAN],
+    p: &mut [f64; SPAN],
+    least: &mut S::f64s,
+) {
     if form.bleaches_little(light) {
         relax_little(simd, form, light, p);
     } else {
@@ -119,8 +131,8 @@ fn relax_span<S: Simd>(simd: S, form: FirstOrderForm, light: &[f32; SPAN], p: &m
 /// How many places decide together whether a form without division does for all of them.
 const SPAN: usize = 32;
 
-/// Written out in vectors, four side by side so that none waits for its own sums: most places of most pictures go
-/// this way.
+/// Written out in vectors, four side by side so that none waits for its own sums: most places of
+/// most pictures go this way.
 #[inline(always)]
 fn relax_little<S: Simd>(simd: S, form: FirstOrderForm, light: &[f32; SPAN], p: &mut [f64; SPAN]) {
     let mut wide = [0.0; SPAN];

@@ -16,12 +16,14 @@ struct Combine<'a> {
     floored: bool,
 }
 
-/// A linear form of the planes, one weight a plane, added in their order; planes of weight zero are passed over.
+/// A linear form of the planes, one weight a plane, added in their order; planes of weight zero are
+/// passed over.
 pub fn combine(light: Strip<'_>, weights: &[f32], out: &mut [f32]) {
     vectorised(Combine { light, weights, out, floored: false });
 }
 
-/// Cone illuminance of a run, td: a linear form of the planes for each cone, never negative. Returns the greatest.
+/// Cone illuminance of a run, td: a linear form of the planes for each cone, never negative.
+/// Returns the greatest.
 pub fn illuminance(light: Strip<'_>, weights: &[Vec<f32>; 3], out: [&mut [f32]; 3]) -> [f32; 3] {
     if let [[r0, g0, b0], [r1, g1, b1], [r2, g2, b2]] = weights.each_ref().map(Vec::as_slice) {
         let weights = [[*r0, *g0, *b0], [*r1, *g1, *b1], [*r2, *g2, *b2]];
@@ -35,7 +37,8 @@ pub fn illuminance(light: Strip<'_>, weights: &[Vec<f32>; 3], out: [&mut [f32]; 
     most
 }
 
-/// Illuminance that is there already but for its floor: no light is negative. Returns the greatest of each cone.
+/// Illuminance that is there already but for its floor: no light is negative. Returns the greatest
+/// of each cone.
 pub fn floored(sums: [&[f32]; 3], out: [&mut [f32]; 3]) -> [f32; 3] {
     vectorised(Floored { sums, out })
 }
@@ -94,17 +97,26 @@ impl WithSimd for OfRgb<'_> {
 
 /// One cone's illuminance over a range of whole vectors; returns the greatest.
 #[inline(always)]
-fn of_rgb<S: Simd>(simd: S, light: Strip<'_>, range: Range<usize>, weights: &[f32; 3], out: &mut [f32]) -> f32 {
+fn of_rgb<S: Simd>(
+    simd: S,
+    light: Strip<'_>,
+    range: Range<usize>,
+    weights: &[f32; 3],
+    out: &mut [f32],
+) -> f32 {
     let plane = [light.plane(0), light.plane(1), light.plane(2)];
     let [r, g, b] = [
         S::as_simd_f32s(&plane[0][range.clone()]).0,
         S::as_simd_f32s(&plane[1][range.clone()]).0,
         S::as_simd_f32s(&plane[2][range.clone()]).0,
     ];
-    let [wr, wg, wb] = [simd.splat_f32s(weights[0]), simd.splat_f32s(weights[1]), simd.splat_f32s(weights[2])];
+    let [wr, wg, wb] =
+        [simd.splat_f32s(weights[0]), simd.splat_f32s(weights[1]), simd.splat_f32s(weights[2])];
     let zero = simd.splat_f32s(0.0);
     let mut most = zero;
-    for (((out, &r), &g), &b) in S::as_mut_simd_f32s(&mut out[range]).0.iter_mut().zip(r).zip(g).zip(b) {
+    for (((out, &r), &g), &b) in
+        S::as_mut_simd_f32s(&mut out[range]).0.iter_mut().zip(r).zip(g).zip(b)
+    {
         let sum = simd.add_f32s(simd.mul_f32s(wr, r), simd.mul_f32s(wg, g));
         let sum = simd.add_f32s(sum, simd.mul_f32s(wb, b));
         *out = simd.select_f32s(simd.greater_than_f32s(sum, zero), sum, zero);
@@ -163,7 +175,11 @@ impl Sums<'_> {
                 sum = simd.add_f32s(sum, simd.mul_f32s(simd.splat_f32s(weight), plane[x]));
             }
             let floored = self.floored;
-            *out = if floored { simd.select_f32s(simd.greater_than_f32s(sum, zero), sum, zero) } else { sum };
+            *out = if floored {
+                simd.select_f32s(simd.greater_than_f32s(sum, zero), sum, zero)
+            } else {
+                sum
+            };
         }
     }
 }
@@ -175,8 +191,8 @@ struct Weaken<'a> {
     sums: &'a [[f32; TILE]],
 }
 
-/// Cone illuminance under a weight that changes from place to place: sum_j e^(-rate_j r^2) sum_j, never negative.
-/// `squares`: r^2 of each place; `sums`: one run for each rate.
+/// Cone illuminance under a weight that changes from place to place: sum_j e^(-rate_j r^2) sum_j,
+/// never negative. `squares`: r^2 of each place; `sums`: one run for each rate.
 pub fn weaken(rates: &[f64], squares: &[f64], sums: &[[f32; TILE]], out: &mut [f32]) {
     vectorised(Weaken { rates, squares, out, sums });
 }

@@ -1,39 +1,43 @@
 //! The levels of p through which a narrowed pigment is read, and what that costs.
 //!
-//! With x = D ln 10 a(lambda), a wavelength's catch per pigment is H(x, p) = (1 - e^(-x p))/p. It is read as a sum
-//! over levels p_j, with weights w_j(p) that are the same for every wavelength:
+//! With x = D ln 10 a(lambda), a wavelength's catch per pigment is H(x, p) = (1 - e^(-x p))/p. It
+//! is read as a sum over levels p_j, with weights w_j(p) that are the same for every wavelength:
 //!
 //! ```text
 //! four levels    0, 1/4, 3/4, 1    w_j: Lagrange's cubics (numerics 5.3)
 //! three levels   0, 1/2, 1         w_j: exact at x = 0, 0.5 X and 0.91 X, the densest pigment's X
 //! ```
 //!
-//! Lagrange's weights are right for any function of p. Three levels cost a quarter less and are nearer all the same,
-//! because these functions are known: 1.3e-4 instead of 1.9e-4 at a density of 0.5. Where a level is one more sum
-//! over thirty bands it counts; light of three planes takes the four.
+//! Lagrange's weights are right for any function of p. Three levels cost a quarter less and are
+//! nearer all the same, because these functions are known: 1.3e-4 instead of 1.9e-4 at a density of
+//! 0.5. Where a level is one more sum over thirty bands it counts; light of three planes takes the
+//! four.
 
 use std::f64::consts::LN_10;
 
 use crate::eye::{Narrowing, Observer};
 use crate::spectrum::Curve;
 
-/// Largest relative error of a catch from the levels, any light, any p, density up to 0.5 (numerics 5.3).
+/// Largest relative error of a catch from the levels, any light, any p, density up to 0.5 (numerics
+/// 5.3).
 pub const LEVEL_BOUND: f64 = 1.9e-4;
 
-/// The same for any peak density. With x = D ln 10, the fourth derivative of H by p is at most x^5/5 and H at least
-/// 1 - e^-x; max |p (p - 1/4) (p - 3/4) (p - 1)| = 1/64, at p = 1/2. Three levels stay below that of four.
+/// The same for any peak density. With x = D ln 10, the fourth derivative of H by p is at most
+/// x^5/5 and H at least 1 - e^-x; max |p (p - 1/4) (p - 3/4) (p - 1)| = 1/64, at p = 1/2. Three
+/// levels stay below that of four.
 pub fn level_bound(density: f64) -> f64 {
     let x = density * LN_10;
     if density <= 0.5 { LEVEL_BOUND } else { x.powi(5) / (5.0 * 24.0 * 64.0 * -(-x).exp_m1()) }
 }
 
-/// At which levels of p light is projected, and how they are mixed at any other. The last one is p = 1.
+/// At which levels of p light is projected, and how they are mixed at any other. The last one is p
+/// = 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Levels {
     /// 0, 1/4, 3/4, 1 by Lagrange's cubics: for light of a few planes.
     Four,
-    /// 0, 1/2, 1: w_0 = (1 - p) `outer`(p), w_1 = (1 - p) `middle`(p), w_2 = 1 - w_0 - w_1; cubics, lowest power
-    /// first. For light of many bands.
+    /// 0, 1/2, 1: w_0 = (1 - p) `outer`(p), w_1 = (1 - p) `middle`(p), w_2 = 1 - w_0 - w_1; cubics,
+    /// lowest power first. For light of many bands.
     Three { outer: [f64; 4], middle: [f64; 4] },
 }
 
@@ -41,8 +45,10 @@ impl Levels {
     /// Three levels for pigments whose peak density is at most this.
     pub fn three(density: f64) -> Self {
         let densest = density.max(THINNEST) * LN_10;
-        let nodes = [0, 1, 2, 3].map(|i| 0.5 - 0.5 * (f64::from(2 * i + 1) * std::f64::consts::PI / 8.0).cos());
-        let exact = nodes.map(|p| exact_weights([0.5 * densest, 0.91 * densest], p).map(|w| w / (1.0 - p)));
+        let nodes = [0, 1, 2, 3]
+            .map(|i| 0.5 - 0.5 * (f64::from(2 * i + 1) * std::f64::consts::PI / 8.0).cos());
+        let exact =
+            nodes.map(|p| exact_weights([0.5 * densest, 0.91 * densest], p).map(|w| w / (1.0 - p)));
         Levels::Three {
             outer: cubic_through(nodes, exact.map(|w| w[0])),
             middle: cubic_through(nodes, exact.map(|w| w[1])),
@@ -91,7 +97,8 @@ impl Levels {
     pub fn polynomial(&self, values: &[f64]) -> [f64; 5] {
         match self {
             Levels::Four => {
-                // A third difference over the levels themselves would lose digits; these are exact in binary.
+                // A third difference over the levels themselves would lose digits; these are exact
+                // in binary.
                 let [f0, f1, f2, fm] = [0.0, 1.0, 2.0, -1.0].map(|p| self.mix(p, values));
                 let (even, odd) = ((f1 + fm) / 2.0 - f0, (f1 - fm) / 2.0);
                 let third = ((f2 - f0 - 4.0 * even) / 2.0 - odd) / 3.0;
@@ -100,7 +107,8 @@ impl Levels {
             Levels::Three { outer, middle } => {
                 let mut powers = [values[2], 0.0, 0.0, 0.0, 0.0];
                 for i in 0..4 {
-                    let c = outer[i] * (values[0] - values[2]) + middle[i] * (values[1] - values[2]);
+                    let c =
+                        outer[i] * (values[0] - values[2]) + middle[i] * (values[1] - values[2]);
                     powers[i] += c;
                     powers[i + 1] -= c;
                 }
@@ -113,8 +121,8 @@ impl Levels {
 /// Thinner pigments are read as one of this density: their own equations would not be told apart.
 const THINNEST: f64 = 0.05;
 
-/// The weights of the levels 0 and 1/2 at p with which 0, 1/2 and 1 give what is thinnest and pigments of these two
-/// x exactly: two equations, as all three weights sum to 1.
+/// The weights of the levels 0 and 1/2 at p with which 0, 1/2 and 1 give what is thinnest and
+/// pigments of these two x exactly: two equations, as all three weights sum to 1.
 fn exact_weights(x: [f64; 2], p: f64) -> [f64; 2] {
     let phi = |z: f64| if z == 0.0 { 1.0 } else { -(-z).exp_m1() / z };
     let beside_whole = |x: f64, p: f64| phi(x * p) - phi(x);
@@ -150,20 +158,28 @@ pub(super) fn weighting_curves(observer: &Observer, levels: &Levels) -> Vec<Curv
     let eye = &observer.fundamentals;
     let catches = (0..3).flat_map(|k| levels.at().iter().map(move |&p| eye.per_pigment(k, p)));
     let shares = observer.directional.shares();
-    let trolands = (0..3).flat_map(|k| shares.iter().map(move |share| eye.unbleached(k).times(share)));
+    let trolands =
+        (0..3).flat_map(|k| shares.iter().map(move |share| eye.unbleached(k).times(share)));
     catches.chain(trolands).collect()
 }
 
-/// H at the levels, relative to the peak at p = 1, for every wavelength that is the peak at some p. (The S cone has
-/// two maxima, at 443 and 447 nm, whose order changes at p = 0.4: one smooth function would miss that by 7e-4.)
+/// H at the levels, relative to the peak at p = 1, for every wavelength that is the peak at some p.
+/// (The S cone has two maxima, at 443 and 447 nm, whose order changes at p = 0.4: one smooth
+/// function would miss that by 7e-4.)
 pub(super) fn peaks(observer: &Observer, levels: &Levels) -> Option<[Vec<Vec<f64>>; 3]> {
     let of_cone = |k: usize| {
-        let curves: Vec<Curve> = levels.at().iter().map(|&p| observer.fundamentals.per_pigment(k, p)).collect();
+        let curves: Vec<Curve> =
+            levels.at().iter().map(|&p| observer.fundamentals.per_pigment(k, p)).collect();
         let unbleached = observer.fundamentals.unbleached(k).peak();
-        let peak = |i: usize| observer.fundamentals.per_pigment(k, i as f64 / 64.0).peak_and_width().0 as usize;
+        let peak = |i: usize| {
+            observer.fundamentals.per_pigment(k, i as f64 / 64.0).peak_and_width().0 as usize
+        };
         let mut wavelengths: Vec<usize> = (0..=64).map(peak).collect();
         wavelengths.dedup();
-        wavelengths.into_iter().map(|nm| curves.iter().map(|curve| curve.at(nm) / unbleached).collect()).collect()
+        wavelengths
+            .into_iter()
+            .map(|nm| curves.iter().map(|curve| curve.at(nm) / unbleached).collect())
+            .collect()
     };
     (observer.narrowing == Narrowing::Narrowed).then(|| [0, 1, 2].map(of_cone))
 }
@@ -184,8 +200,9 @@ mod tests {
         let of_one = |a: f64| {
             let x = density * LN_10 * a;
             let values: Vec<f64> = levels.at().iter().map(|&p| h(x, p)).collect();
-            let errors =
-                (0..=200).map(|p| f64::from(p) / 200.0).map(|p| (levels.mix(p, &values) / h(x, p) - 1.0).abs());
+            let errors = (0..=200)
+                .map(|p| f64::from(p) / 200.0)
+                .map(|p| (levels.mix(p, &values) / h(x, p) - 1.0).abs());
             errors.fold(0.0, f64::max)
         };
         absorptances.map(of_one).fold(0.0, f64::max)
@@ -196,17 +213,25 @@ mod tests {
         for density in DENSITIES {
             for levels in [Levels::Four, Levels::three(density)] {
                 let worst = worst(&levels, density);
-                assert!(worst <= level_bound(density), "{levels:?} {density}: {worst:e} {:e}", level_bound(density));
+                assert!(
+                    worst <= level_bound(density),
+                    "{levels:?} {density}: {worst:e} {:e}",
+                    level_bound(density)
+                );
             }
         }
     }
 
     #[test]
     fn three_levels_are_nearer_than_four_where_pigment_is_dense() {
-        // numerics 5.3: no three spectra do better than 1.6e-4 in the mean square at density 0.5; four Lobatto levels 1.9e-4.
+        // numerics 5.3: no three spectra do better than 1.6e-4 in the mean square at density 0.5;
+        // four Lobatto levels 1.9e-4.
         for (density, expected) in [(0.38, 5.7e-5), (0.5, 1.3e-4)] {
             let three = worst(&Levels::three(density), density);
-            assert!(three < worst(&Levels::Four, density) && (three / expected - 1.0).abs() < 0.02, "{three:e}");
+            assert!(
+                three < worst(&Levels::Four, density) && (three / expected - 1.0).abs() < 0.02,
+                "{three:e}"
+            );
         }
         // A thinner pigment read with the weights of a denser one is no worse.
         assert!(worst(&Levels::three(0.5), 0.3) < worst(&Levels::three(0.5), 0.5));
@@ -221,7 +246,10 @@ mod tests {
         }
         for (j, &level) in Levels::Four.at().iter().enumerate() {
             let weights = Levels::Four.weights(level);
-            assert!((0..4).all(|i| weights[i] == if i == j { 1.0 } else { 0.0 }), "{level}: {weights:?}");
+            assert!(
+                (0..4).all(|i| weights[i] == if i == j { 1.0 } else { 0.0 }),
+                "{level}: {weights:?}"
+            );
         }
         assert_eq!(Levels::three(0.4).weights(1.0), [0.0, 0.0, 1.0, 0.0]);
     }

@@ -1,14 +1,14 @@
 //! What one observer makes of one kind of light: planes of a frame -> cone illuminance -> percept.
 //!
-//! A catch through a pigment at p is, within 2e-4, a sum over a few fixed spectra, one for each of its [`Levels`]
-//! (numerics 5.3):
+//! A catch through a pigment at p is, within 2e-4, a sum over a few fixed spectra, one for each of
+//! its [`Levels`] (numerics 5.3):
 //!
 //! ```text
 //! R_k(p) = p sum_j w_j(p) M_kj,   M_kj = 683 integral L H_k(.; p_j),   H = s_k(.; p)/p,   p_j = 0 .. 1
 //! ```
 //!
-//! Cone illuminance takes one more inner product per level of the Stiles-Crawford
-//! weight. So the light is projected once ([`Vision::projection`]), whatever pupil and pigment do: the *moments*.
+//! Cone illuminance takes one more inner product per level of the Stiles-Crawford weight. So the
+//! light is projected once ([`Vision::projection`]), whatever pupil and pigment do: the *moments*.
 //! p = 1 is a level, hence an unbleached eye is exact.
 
 mod levels;
@@ -48,9 +48,11 @@ pub struct Vision {
     pub seen_to_srgb: Matrix,
     /// Planes -> luminance in cd/m2, for the pupil and the display.
     pub luminance: Vec<f64>,
-    /// Spectral radiance, W m^-2 sr^-1 nm^-1, of each stored plane at the value 1: RGB, or the bands.
+    /// Spectral radiance, W m^-2 sr^-1 nm^-1, of each stored plane at the value 1: RGB, or the
+    /// bands.
     basis: Vec<Curve>,
-    /// `narrowed` reading: H_k at the levels, for each wavelength at which the fundamental peaks at some p.
+    /// `narrowed` reading: H_k at the levels, for each wavelength at which the fundamental peaks at
+    /// some p.
     peaks: Option<[Vec<Vec<f64>>; 3]>,
 }
 
@@ -69,7 +71,10 @@ impl Vision {
         };
         Some(Vision {
             lms_to_seen: colour::scaled(
-                &colour::product(&colour::inverse(&to_srgb), &colour::inverse(&srgb_catches(&observer, &srgb))),
+                &colour::product(
+                    &colour::inverse(&to_srgb),
+                    &colour::inverse(&srgb_catches(&observer, &srgb)),
+                ),
                 1.0 / white.0,
             ),
             seen_to_srgb: colour::scaled(&to_srgb, white.0),
@@ -86,7 +91,11 @@ impl Vision {
     pub fn of_bands(observer: Observer, bands: &Bands) -> Self {
         let levels = Levels::three(observer.fundamentals.density().into_iter().fold(0.0, f64::max));
         let rows = weighting_curves(&observer, &levels);
-        let weights = rows.iter().flat_map(|row| row.over(bands)).map(|w| (LUMENS_PER_WATT * w) as f32).collect();
+        let weights = rows
+            .iter()
+            .flat_map(|row| row.over(bands))
+            .map(|w| (LUMENS_PER_WATT * w) as f32)
+            .collect();
         let mut luminance = vec![0.0; rows.len()];
         for (k, y) in observer.lms_to_xyz[1].into_iter().enumerate() {
             luminance[k * levels.len() + levels.len() - 1] = y;
@@ -103,8 +112,8 @@ impl Vision {
         }
     }
 
-    /// Sight of spectral light whose frames hold the bands themselves: for footage that is in memory already, and
-    /// for whoever wants to keep it.
+    /// Sight of spectral light whose frames hold the bands themselves: for footage that is in
+    /// memory already, and for whoever wants to keep it.
     pub fn of_held_bands(observer: Observer, bands: &Bands) -> Self {
         let mut vision = Vision::of_bands(observer, bands);
         if let Reception::Bands(projection) = vision.reception {
@@ -118,7 +127,8 @@ impl Vision {
         vision
     }
 
-    /// The light of each stored plane, RGB or bands, at the value 1: what the definition of a catch takes.
+    /// The light of each stored plane, RGB or bands, at the value 1: what the definition of a catch
+    /// takes.
     pub fn basis(&self) -> &[Curve] {
         &self.basis
     }
@@ -146,8 +156,8 @@ impl Vision {
         &self.levels
     }
 
-    /// How many moments a place has: three per level of p, cone by cone, then three per level of the Stiles-Crawford
-    /// weight.
+    /// How many moments a place has: three per level of p, cone by cone, then three per level of
+    /// the Stiles-Crawford weight.
     pub fn moment_count(&self) -> usize {
         self.first_illuminance() + 3 * self.observer.directional.levels().len()
     }
@@ -181,14 +191,20 @@ impl Vision {
             Reception::Bands(_) => (0..planes.count).map(|i| planes.at(x, y, i)).collect(),
             Reception::Held(p) => {
                 let light: Vec<f64> = (0..p.bands).map(|i| planes.at(x, y, i)).collect();
-                let inner =
-                    |row: usize| light.iter().enumerate().map(|(band, v)| f64::from(p.weight(row, band)) * v).sum();
+                let inner = |row: usize| {
+                    light
+                        .iter()
+                        .enumerate()
+                        .map(|(band, v)| f64::from(p.weight(row, band)) * v)
+                        .sum()
+                };
                 (0..p.rows).map(inner).collect()
             }
         }
     }
 
-    /// Moments of light that an equal-energy spectrum of one cd/m2 would have: what surrounds the picture.
+    /// Moments of light that an equal-energy spectrum of one cd/m2 would have: what surrounds the
+    /// picture.
     pub fn equal_energy_moments(&self) -> Vec<f64> {
         let unit = 1.0 / (LUMENS_PER_WATT * self.observer.luminous_efficiency().integral());
         weighting_curves(&self.observer, &self.levels)
@@ -199,8 +215,13 @@ impl Vision {
 
     /// Cone illuminance as a linear form of the moments: `[cone][level]`, to be applied to
     /// moments from [`Vision::first_illuminance`] on.
-    pub fn illuminance_weights(&self, pupil: Millimetres, r: Millimetres) -> [[f64; MOST_LEVELS]; 3] {
-        let (area, etas) = (crate::eye::pupil::area(pupil), self.observer.directional.weights(pupil, r));
+    pub fn illuminance_weights(
+        &self,
+        pupil: Millimetres,
+        r: Millimetres,
+    ) -> [[f64; MOST_LEVELS]; 3] {
+        let (area, etas) =
+            (crate::eye::pupil::area(pupil), self.observer.directional.weights(pupil, r));
         self.observer.cone_troland().map(|c| etas.map(|eta| c * area * eta))
     }
 
@@ -224,7 +245,9 @@ impl Vision {
             let sum = self.levels.mix(p[k], of_cone);
             match &self.peaks {
                 None => p[k] * sum,
-                Some(peaks) => sum / peaks[k].iter().map(|h| self.levels.mix(p[k], h)).fold(0.0, f64::max),
+                Some(peaks) => {
+                    sum / peaks[k].iter().map(|h| self.levels.mix(p[k], h)).fold(0.0, f64::max)
+                }
             }
         })
     }
@@ -241,7 +264,8 @@ impl Vision {
         colour::apply(&self.observer.lms_to_xyz, catch)
     }
 
-    /// H_k at the levels for the wavelengths whose largest value is the peak; `None` for the `depleted` reading.
+    /// H_k at the levels for the wavelengths whose largest value is the peak; `None` for the
+    /// `depleted` reading.
     pub fn peaks(&self) -> Option<&[Vec<Vec<f64>>; 3]> {
         self.peaks.as_ref()
     }
@@ -275,22 +299,36 @@ mod tests {
             rgb[j] = 1.0;
             let catch = vision.catch(&vision.moments(&pixel(rgb), 0, 0), [1.0; 3]);
             for k in 0..3 {
-                assert!((catch[k] - expected[k][j]).abs() < 5e-8, "{k}{j}: {} {}", catch[k], expected[k][j]);
+                assert!(
+                    (catch[k] - expected[k][j]).abs() < 5e-8,
+                    "{k}{j}: {} {}",
+                    catch[k],
+                    expected[k][j]
+                );
             }
         }
     }
 
     #[test]
     fn whatever_cones_catch_has_luminance_to_their_own_observer() {
-        for (set, field) in
-            [(Set::Cie2006, Field::TenDegrees), (Set::Cie2006, Field::TwoDegrees), (Set::Smj1993, Field::TenDegrees)]
-        {
+        for (set, field) in [
+            (Set::Cie2006, Field::TenDegrees),
+            (Set::Cie2006, Field::TwoDegrees),
+            (Set::Smj1993, Field::TenDegrees),
+        ] {
             let directional = Directional::new(Reading::Off, Steepness::Measured);
-            let observer = Observer::new(set, field, set.optical_density(field), Narrowing::Depleted, directional);
+            let observer = Observer::new(
+                set,
+                field,
+                set.optical_density(field),
+                Narrowing::Depleted,
+                directional,
+            );
             let vision = white_rgb(observer);
             let weights = vision.srgb_luminance();
             assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-            // Next to nothing left of L and M, all of S: seen as blue beyond any light, and still not as black.
+            // Next to nothing left of L and M, all of S: seen as blue beyond any light, and still
+            // not as black.
             let seen = crate::colour::apply(&vision.lms_to_seen, [1e-3, 1e-3, 0.1]);
             let y: f64 = weights.iter().zip(seen).map(|(w, v)| w * v).sum();
             assert!(y > 0.0, "{set:?} {field:?}: {y}");
@@ -304,13 +342,17 @@ mod tests {
     #[test]
     fn white_has_the_published_cone_trolands() {
         let mut observer = Observer::standard();
-        observer.directional = crate::eye::Directional::new(crate::eye::Reading::Off, crate::eye::Steepness::Measured);
+        observer.directional =
+            crate::eye::Directional::new(crate::eye::Reading::Off, crate::eye::Steepness::Measured);
         let vision = white_rgb(observer);
         let pupil = Millimetres(2.0);
         let weights = vision.illuminance_weights(pupil, Millimetres(0.0));
         let td = vision.illuminance(&vision.moments(&pixel([1.0; 3]), 0, 0), &weights);
         for (ours, expected) in td.iter().zip([0.98551, 1.03352, 1.07169]) {
-            assert!((ours / crate::eye::pupil::area(pupil) / expected - 1.0).abs() < 6e-5, "{td:?}");
+            assert!(
+                (ours / crate::eye::pupil::area(pupil) / expected - 1.0).abs() < 6e-5,
+                "{td:?}"
+            );
         }
     }
 
@@ -338,14 +380,21 @@ mod tests {
     fn the_narrowed_reading_keeps_the_same_bound() {
         let mut observer = Observer::standard();
         observer.narrowing = Narrowing::Narrowed;
-        let vision = Vision::of_bands(observer.clone(), &Bands::uniform(389.5, 830.5, 441).unwrap());
+        let vision =
+            Vision::of_bands(observer.clone(), &Bands::uniform(389.5, 830.5, 441).unwrap());
         let rows = weighting_curves(&vision.observer, vision.levels());
         let light = Curve::sampled(|nm| (-((nm - 610.0) / 40.0).powi(2)).exp());
-        let moments: Vec<f64> = rows.iter().map(|r| LUMENS_PER_WATT * r.times(&light).integral()).collect();
+        let moments: Vec<f64> =
+            rows.iter().map(|r| LUMENS_PER_WATT * r.times(&light).integral()).collect();
         for p in [1e-6, 0.01, 0.1, 0.33, 0.5, 0.9, 0.999] {
             let (direct, levels) = (observer.catch(&light, [p; 3]), vision.catch(&moments, [p; 3]));
             for k in 0..3 {
-                assert!((levels[k] / direct[k] - 1.0).abs() < LEVEL_BOUND, "{p} {k} {} {}", levels[k], direct[k]);
+                assert!(
+                    (levels[k] / direct[k] - 1.0).abs() < LEVEL_BOUND,
+                    "{p} {k} {} {}",
+                    levels[k],
+                    direct[k]
+                );
             }
         }
     }
@@ -353,7 +402,8 @@ mod tests {
     #[test]
     fn a_ten_nanometre_equal_energy_field_is_one_troland_within_a_percent() {
         let mut observer = Observer::standard();
-        observer.directional = crate::eye::Directional::new(crate::eye::Reading::Off, crate::eye::Steepness::Measured);
+        observer.directional =
+            crate::eye::Directional::new(crate::eye::Reading::Off, crate::eye::Steepness::Measured);
         let luminance = LUMENS_PER_WATT * observer.luminous_efficiency().integral();
         let centres: Vec<f64> = (0..31).map(|i| 400.0 + 10.0 * i as f64).collect();
         let vision = Vision::of_bands(observer, &Bands::from_centres(&centres).unwrap());

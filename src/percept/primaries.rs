@@ -1,13 +1,13 @@
-//! The spectra that RGB stands for: D65 times the shares of the sRGB primaries (Mallett & Yuksel 2019), on their grid
-//! of 5 nm.
+//! The spectra that RGB stands for: D65 times the shares of the sRGB primaries (Mallett & Yuksel
+//! 2019), on their grid of 5 nm.
 
 use crate::colour::Matrix;
 use crate::eye::Observer;
 use crate::spectrum::{Curve, D65, SRGB_BASIS};
 use crate::units::{LUMENS_PER_WATT, Nits};
 
-/// Spectra of the sRGB primaries on the 5 nm grid of their basis: (nm, radiance), scaled so that their sum has
-/// 1 cd/m2 of the observer's luminance (Mallett & Yuksel 2019, under D65).
+/// Spectra of the sRGB primaries on the 5 nm grid of their basis: (nm, radiance), scaled so that
+/// their sum has 1 cd/m2 of the observer's luminance (Mallett & Yuksel 2019, under D65).
 pub(super) fn srgb_lights(observer: &Observer) -> [Vec<(usize, f64)>; 3] {
     let raw = ["rho_r", "rho_g", "rho_b"].map(|primary| -> Vec<(usize, f64)> {
         let shares = SRGB_BASIS.wavelengths.iter().zip(SRGB_BASIS.column(primary));
@@ -19,7 +19,11 @@ pub(super) fn srgb_lights(observer: &Observer) -> [Vec<(usize, f64)>; 3] {
 }
 
 /// Radiance of R, G and B in a picture's own primaries.
-pub(super) fn basis_of_rgb(srgb: &[Vec<(usize, f64)>; 3], to_srgb: &Matrix, white: Nits) -> Vec<Curve> {
+pub(super) fn basis_of_rgb(
+    srgb: &[Vec<(usize, f64)>; 3],
+    to_srgb: &Matrix,
+    white: Nits,
+) -> Vec<Curve> {
     let of_primary = |j: usize| {
         let mut light = Curve::sampled(|_| 0.0);
         for (i, lines) in srgb.iter().enumerate() {

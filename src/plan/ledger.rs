@@ -41,8 +41,9 @@ impl Ledger {
         self.bounds.par_chunks_exact_mut(self.per_row.max(1))
     }
 
-    /// Room for the tiles of a retina that has grown. `first`: tiles and rows before the old ones; `size`: tiles in
-    /// a row and rows now. What is new was beyond. The last tile of a row may have grown itself.
+    /// Room for the tiles of a retina that has grown. `first`: tiles and rows before the old ones;
+    /// `size`: tiles in a row and rows now. What is new was beyond. The last tile of a row may have
+    /// grown itself.
     pub fn grow(&mut self, first: [usize; 2], size: [usize; 2]) {
         let ([per_row, rows], beyond) = (size, self.beyond);
         let mut bounds = vec![beyond; per_row * rows];

@@ -1,16 +1,17 @@
-//! No more than a scene needs: which places are modelled at all, and what leaving the others out can cost.
+//! No more than a scene needs: which places are modelled at all, and what leaving the others out
+//! can cost.
 //!
 //! ```text
 //! B' <= (c s - B)/tau        every law, from B = 0: no regeneration is slower than first order
 //! 0 <= 1 - R(p)/R(1) <= B    so what is left out of p is left out of no catch more (numerics 5)
 //! ```
 //!
-//! A tile whose bound stays below half the budget is left untouched and its pixels are returned as they came. The
-//! first frame that could pass that bound is tracked from p = 1, for good: what was left out before only shrinks,
-//! because every law contracts (relative to p it can grow, under self-screening, by [`Kinetics::growth`]). Where a
-//! frame lasts so long that nothing of the state before it remains, its steady state is taken. A quarter of the
-//! budget each goes to that and to the sub-steps of the nonlinear laws.
-//! The bounds run along with the frames: a file is read once.
+//! A tile whose bound stays below half the budget is left untouched and its pixels are returned as
+//! they came. The first frame that could pass that bound is tracked from p = 1, for good: what was
+//! left out before only shrinks, because every law contracts (relative to p it can grow, under
+//! self-screening, by [`Kinetics::growth`]). Where a frame lasts so long that nothing of the state
+//! before it remains, its steady state is taken. A quarter of the budget each goes to that and to
+//! the sub-steps of the nonlinear laws. The bounds run along with the frames: a file is read once.
 
 mod ledger;
 mod terms;
@@ -39,7 +40,8 @@ pub struct Plan {
     pub(crate) ledger: Ledger,
     /// The greatest peak density of a pigment, on which the levels' error depends.
     density: f64,
-    /// Whether frames come as sums over bands, so that what is seen is their light only to single precision.
+    /// Whether frames come as sums over bands, so that what is seen is their light only to single
+    /// precision.
     projected: bool,
     met: Met,
 }
@@ -48,7 +50,8 @@ pub struct Plan {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Met {
     left_out: LeftOut,
-    /// What would have bleached unseen if every tile had been left untouched: by now, and at the most.
+    /// What would have bleached unseen if every tile had been left untouched: by now, and at the
+    /// most.
     unseen: f64,
     everywhere: f64,
     /// The most that a steady state would have been wrong by, had it been taken everywhere.
@@ -60,7 +63,8 @@ struct Met {
 pub struct LeftOut {
     /// Bleached unseen in a tile that was left untouched.
     pub untouched: f64,
-    /// Wrong, relative to p, where a steady state was taken because the step outlasts what pigment remembers.
+    /// Wrong, relative to p, where a steady state was taken because the step outlasts what pigment
+    /// remembers.
     pub outlasted: f64,
     /// Whether any place was stepped, and whether by its steady state or by following.
     pub stepped: bool,
@@ -90,7 +94,8 @@ pub struct Rule {
     lasting: [Lasting; 3],
 }
 
-/// From which light on a step outlasts what a pigment remembers. Relative to p, with y = (h/tau) (1 + s):
+/// From which light on a step outlasts what a pigment remembers. Relative to p, with y = (h/tau) (1
+/// + s):
 ///
 /// ```text
 /// |p1 - p_inf|/p_inf <= (1 + s) e^-y = (tau/h) y e^-y,   which falls from y = 1 on
@@ -112,7 +117,11 @@ impl Lasting {
         let y = (0..60).fold(1.0, |y: f64, _| (y / share).ln().max(1.0));
         let from = ROUNDED_UP * (y / steps_of_tau - 1.0).max(0.0) * pigment.half_bleach.0;
         let known = pigment.law == Law::FirstOrder && share > 0.0;
-        Lasting { steps_of_tau, half_bleach: pigment.half_bleach.0, from: if known { from } else { f64::INFINITY } }
+        Lasting {
+            steps_of_tau,
+            half_bleach: pigment.half_bleach.0,
+            from: if known { from } else { f64::INFINITY },
+        }
     }
 
     /// What the steady state of such light, td, or brighter may be wrong by.
@@ -123,8 +132,8 @@ impl Lasting {
 }
 
 impl Rule {
-    /// What may have bleached unseen after a step whose light is at most `greatest`, td; infinity once that is too
-    /// much to be left out.
+    /// What may have bleached unseen after a step whose light is at most `greatest`, td; infinity
+    /// once that is too much to be left out.
     pub fn after(&self, bound: f64, greatest: [f32; 3]) -> f64 {
         if bound.is_infinite() {
             return bound;
@@ -134,12 +143,13 @@ impl Rule {
     }
 
     fn bleached(&self, bound: f64, greatest: [f64; 3]) -> f64 {
-        let of_cone = |k: usize| bound + self.share[k] * (greatest[k] * self.per_half_bleach[k] - bound);
+        let of_cone =
+            |k: usize| bound + self.share[k] * (greatest[k] * self.per_half_bleach[k] - bound);
         (0..3).map(of_cone).fold(0.0, f64::max)
     }
 
-    /// Whether the steady state of cone `k` will do for a run of places, and what it costs then. `least` is asked
-    /// for only where the greatest light, td, is enough.
+    /// Whether the steady state of cone `k` will do for a run of places, and what it costs then.
+    /// `least` is asked for only where the greatest light, td, is enough.
     pub fn outlasts(&self, k: usize, greatest: f32, least: impl FnOnce() -> f32) -> Option<f64> {
         let lasting = &self.lasting[k];
         if f64::from(greatest) < lasting.from {
@@ -153,7 +163,13 @@ impl Rule {
 impl Plan {
     /// A plan that keeps a budget, or one that does everywhere what is asked for.
     pub fn new(budget: Option<f64>) -> Self {
-        Plan { budget, ledger: Ledger::default(), density: 0.0, projected: false, met: Met::default() }
+        Plan {
+            budget,
+            ledger: Ledger::default(),
+            density: 0.0,
+            projected: false,
+            met: Met::default(),
+        }
     }
 
     /// Whether it is free to choose.
@@ -161,9 +177,15 @@ impl Plan {
         self.budget.is_some()
     }
 
-    /// Opens the ledger of `rows` rows of `per_row` tiles. `rested`: whether every pigment is whole; of an eye that is
-    /// not, nothing may be left out.
-    pub(crate) fn open(&mut self, per_row: usize, rows: usize, rested: impl FnOnce() -> bool, vision: &Vision) {
+    /// Opens the ledger of `rows` rows of `per_row` tiles. `rested`: whether every pigment is
+    /// whole; of an eye that is not, nothing may be left out.
+    pub(crate) fn open(
+        &mut self,
+        per_row: usize,
+        rows: usize,
+        rested: impl FnOnce() -> bool,
+        vision: &Vision,
+    ) {
         self.density = vision.observer.fundamentals.density().into_iter().fold(0.0, f64::max);
         self.projected = !vision.returns_its_light();
         if self.ledger.bounds().is_empty() {
@@ -176,7 +198,9 @@ impl Plan {
 
     /// How pigment is to be moved over one frame.
     pub(crate) fn model(&self, asked: Model, pigments: &[Kinetics; 3], dt: Seconds) -> Model {
-        let (Some(budget), Model::Tracked { method, .. }) = (self.budget, asked) else { return asked };
+        let (Some(budget), Model::Tracked { method, .. }) = (self.budget, asked) else {
+            return asked;
+        };
         let lasts = method.name == "exact" && remembered(pigments, dt) <= STEADY * budget;
         if lasts { Model::Steady } else { asked }
     }
@@ -184,14 +208,19 @@ impl Plan {
     /// The rule for one frame.
     pub(crate) fn rule(&self, pigments: &[Kinetics; 3], dt: Seconds) -> Rule {
         Rule {
-            per_half_bleach: pigments.each_ref().map(|p| ROUNDED_UP * rate_at_rest(p) / p.half_bleach.0),
+            per_half_bleach: pigments
+                .each_ref()
+                .map(|p| ROUNDED_UP * rate_at_rest(p) / p.half_bleach.0),
             share: pigments.each_ref().map(|p| -(-dt.0 / p.tau.0).exp_m1()),
             allowed: self.budget.map_or(0.0, |budget| UNTOUCHED * budget / growth(pigments)),
-            lasting: pigments.each_ref().map(|p| Lasting::new(p, dt, self.budget.map_or(0.0, |b| STEADY * b))),
+            lasting: pigments
+                .each_ref()
+                .map(|p| Lasting::new(p, dt, self.budget.map_or(0.0, |b| STEADY * b))),
         }
     }
 
-    /// Takes note of a frame: what was left out, its greatest light, td, and how pigment was moved where it was.
+    /// Takes note of a frame: what was left out, its greatest light, td, and how pigment was moved
+    /// where it was.
     pub(crate) fn note(
         &mut self,
         left_out: LeftOut,
@@ -205,7 +234,11 @@ impl Plan {
         let outlasted = if lasted { remembered } else { left_out.outlasted };
         let unseen = rule.bleached(self.met.unseen, greatest);
         self.met = Met {
-            left_out: self.met.left_out.and(LeftOut { outlasted, settled: lasted | left_out.settled, ..left_out }),
+            left_out: self.met.left_out.and(LeftOut {
+                outlasted,
+                settled: lasted | left_out.settled,
+                ..left_out
+            }),
             unseen,
             everywhere: self.met.everywhere.max(unseen).min(1.0),
             remembered: self.met.remembered.max(remembered),
@@ -227,7 +260,8 @@ impl Plan {
         let Met { left_out, unseen, everywhere, remembered } = self.met;
         let LeftOut { untouched, outlasted, stepped, settled, followed } = left_out;
         let flags = [stepped, settled, followed].map(|flag| f64::from(u8::from(flag)));
-        let met = [untouched, outlasted, flags[0], flags[1], flags[2], unseen, everywhere, remembered];
+        let met =
+            [untouched, outlasted, flags[0], flags[1], flags[2], unseen, everywhere, remembered];
         let met = met.into_iter().chain([self.ledger.per_row() as f64, self.ledger.beyond()]);
         met.chain(self.ledger.bounds().iter().copied()).collect()
     }
@@ -249,8 +283,15 @@ impl Plan {
         ] = numbers
         {
             let [stepped, settled, followed] = [stepped, settled, followed].map(|flag| *flag > 0.0);
-            let left_out = LeftOut { untouched: *untouched, outlasted: *outlasted, stepped, settled, followed };
-            self.met = Met { left_out, unseen: *unseen, everywhere: *everywhere, remembered: *remembered };
+            let left_out = LeftOut {
+                untouched: *untouched,
+                outlasted: *outlasted,
+                stepped,
+                settled,
+                followed,
+            };
+            self.met =
+                Met { left_out, unseen: *unseen, everywhere: *everywhere, remembered: *remembered };
             self.ledger = Ledger::new(bounds.to_vec(), *per_row as usize, *beyond);
         }
     }

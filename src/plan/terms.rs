@@ -1,5 +1,5 @@
-//! A plan in words and numbers: every reduction there is, what it can cost of p or of a catch at most, what it costs
-//! in time, whether it was taken and why.
+//! A plan in words and numbers: every reduction there is, what it can cost of p or of a catch at
+//! most, what it costs in time, whether it was taken and why.
 
 use serde_json::{Value, json};
 
@@ -15,17 +15,18 @@ const SINGLE_BOUND: f64 = 1e-5;
 /// The greatest change of p for a change of ln I: 1/e (numerics 5.5).
 const PER_LOG_LIGHT: f64 = 0.3679;
 
-/// Typical cost of a place in a frame, ns: light, pigment and percept of RGB halves, for the model `none`, `steady`,
-/// `tracked`, and `tracked` with a law that has no closed form. The first three by `sungaze chart ladder`; the last by
-/// `sungaze plan --threads 1` on a bright sequence, 500 rate-limited and 1000 self-screened. On an EPYC of 2023; to
-/// compare by, not to rely on.
+/// Typical cost of a place in a frame, ns: light, pigment and percept of RGB halves, for the model
+/// `none`, `steady`, `tracked`, and `tracked` with a law that has no closed form. The first three
+/// by `sungaze chart ladder`; the last by `sungaze plan --threads 1` on a bright sequence, 500
+/// rate-limited and 1000 self-screened. On an EPYC of 2023; to compare by, not to rely on.
 const COST_NS: [f64; 4] = [2.0, 5.0, 6.0, 700.0];
 
 /// One reduction of the full model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Term {
     pub what: &'static str,
-    /// The most that it costs of p, or of a catch relative to itself; not taken, what it would cost. `None`: unknown.
+    /// The most that it costs of p, or of a catch relative to itself; not taken, what it would
+    /// cost. `None`: unknown.
     pub bound: Option<f64>,
     /// Typical time for a place in a frame where it is taken, ns. `None`: it is part of the others.
     pub cost_ns: Option<f64>,
@@ -34,8 +35,8 @@ pub struct Term {
 }
 
 impl Plan {
-    /// The terms for the report. `bound_total`: the sum of those that were chosen; `null`: nothing is promised,
-    /// because a model or a method was asked for by name.
+    /// The terms for the report. `bound_total`: the sum of those that were chosen; `null`: nothing
+    /// is promised, because a model or a method was asked for by name.
     pub fn report(&self, asked: Model, pigments: &[Kinetics; 3]) -> Value {
         let term = |term: &Term| {
             json!({
@@ -104,7 +105,11 @@ impl Plan {
                 chosen: !stepped,
                 why: match stepped {
                     true => {
-                        format!("up to {} may have bleached; {} may be left out", percent(everywhere), percent(allowed))
+                        format!(
+                            "up to {} may have bleached; {} may be left out",
+                            percent(everywhere),
+                            percent(allowed)
+                        )
                     }
                     false => format!("nowhere can more than {} have bleached", percent(untouched)),
                 },
@@ -127,10 +132,15 @@ impl Plan {
                 cost_ns: Some(COST_NS[1]),
                 chosen: settled,
                 why: match settled {
-                    true => format!("where a frame leaves less than {} of what was before it", percent(lasting)),
+                    true => format!(
+                        "where a frame leaves less than {} of what was before it",
+                        percent(lasting)
+                    ),
                     false => {
                         let (left, most) = (percent(remembered), percent(lasting));
-                        format!("a frame leaves up to {left} of what was before it; {most} would do")
+                        format!(
+                            "a frame leaves up to {left} of what was before it; {most} would do"
+                        )
                     }
                 },
             },
@@ -145,9 +155,10 @@ impl Plan {
         let linear = pigments.iter().all(|p| p.law == Law::FirstOrder);
         let (what, bound) = match method.name {
             "exact" if linear => ("the exact step", Some(0.0)),
-            "exact" if substeps == 0 => {
-                ("the exact step, its rates frozen over sub-steps", (budget >= LEAST_KEPT).then_some(budget))
-            }
+            "exact" if substeps == 0 => (
+                "the exact step, its rates frozen over sub-steps",
+                (budget >= LEAST_KEPT).then_some(budget),
+            ),
             _ => ("the steps that were asked for", None),
         };
         let chosen = self.met.left_out.followed || !self.is_free();
@@ -203,7 +214,8 @@ fn percent(share: f64) -> String {
     format!("{} %", (100.0 * share * digits).round() / digits)
 }
 
-/// What is missing of a catch, relative to what is left. Once such a place is tracked that may grow a little.
+/// What is missing of a catch, relative to what is left. Once such a place is tracked that may grow
+/// a little.
 fn relative(untouched: f64, pigments: &[Kinetics; 3]) -> Option<f64> {
     let left = 1.0 - untouched;
     (left > 0.0).then(|| growth(pigments) * untouched / left)

@@ -1,7 +1,7 @@
 //! A checkpoint: one file that holds everything the next frame depends on, bit for bit.
 //!
-//! A line of JSON, then the numbers it counts as little-endian f64. It appears whole or not at all, and is removed
-//! when the run is complete.
+//! A line of JSON, then the numbers it counts as little-endian f64. It appears whole or not at all,
+//! and is removed when the run is complete.
 
 use std::path::{Path, PathBuf};
 
@@ -48,7 +48,8 @@ impl Checkpoint {
     /// Writes the checkpoint of a run whose tables have these lengths.
     pub fn write(&self, folder: &Path, lengths: [u64; 2]) -> Result<()> {
         let path = folder.join(NAME);
-        let head = Head { lengths, counts: self.numbers.each_ref().map(Vec::len), ..self.head.clone() };
+        let head =
+            Head { lengths, counts: self.numbers.each_ref().map(Vec::len), ..self.head.clone() };
         let head = serde_json::to_string(&head).map_err(|e| Error::file(&path, e.to_string()))?;
         write_whole(&path, |out| {
             writeln!(out, "{head}")?;
@@ -75,7 +76,9 @@ impl Checkpoint {
     pub fn remove(folder: &Path) -> Result<()> {
         let path = folder.join(NAME);
         match std::fs::remove_file(&path) {
-            Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(Error::io(&path, "remove")(e)),
+            Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
+                Err(Error::io(&path, "remove")(e))
+            }
             _ => Ok(()),
         }
     }
@@ -103,7 +106,8 @@ pub fn difference(a: &Value, b: &Value) -> Option<String> {
     let (Value::Object(a), Value::Object(b)) = (a, b) else { return (a != b).then(String::new) };
     let keys = a.keys().chain(b.keys().filter(|key| !a.contains_key(*key)));
     keys.filter_map(|key| {
-        let inner = difference(a.get(key).unwrap_or(&Value::Null), b.get(key).unwrap_or(&Value::Null))?;
+        let inner =
+            difference(a.get(key).unwrap_or(&Value::Null), b.get(key).unwrap_or(&Value::Null))?;
         Some(if inner.is_empty() { key.clone() } else { format!("{key}.{inner}") })
     })
     .next()
@@ -128,13 +132,20 @@ mod tests {
             lengths: [0; 2],
             counts: [0; 5],
         };
-        let numbers =
-            [vec![0.1, 1e-308, 1.0], vec![0.1 + 0.2], vec![f64::NAN, -0.0], vec![], vec![f64::INFINITY, 1e-4]];
+        let numbers = [
+            vec![0.1, 1e-308, 1.0],
+            vec![0.1 + 0.2],
+            vec![f64::NAN, -0.0],
+            vec![],
+            vec![f64::INFINITY, 1e-4],
+        ];
         let written = Checkpoint { head, numbers };
         written.write(folder.path(), [10, 20]).unwrap();
         let read = Checkpoint::read(folder.path()).unwrap().unwrap();
         assert_eq!(read.head, Head { lengths: [10, 20], counts: [3, 1, 2, 0, 2], ..written.head });
-        let bits = |c: [Vec<f64>; 5]| c.map(|numbers| numbers.into_iter().map(f64::to_bits).collect::<Vec<_>>());
+        let bits = |c: [Vec<f64>; 5]| {
+            c.map(|numbers| numbers.into_iter().map(f64::to_bits).collect::<Vec<_>>())
+        };
         assert_eq!(bits(read.numbers), bits(written.numbers));
     }
 

@@ -47,19 +47,28 @@ impl Eye {
         let retina = match config.settings.observer.start.as_str() {
             "rested" | "adapted" => Retina::rested(header.width, header.height),
             file => retina_of_file(config, file, header.width, header.height).map_err(|e| {
-                config.wrong("observer.start", format!("{e}; accepted: rested, adapted, or a state file"))
+                config.wrong(
+                    "observer.start",
+                    format!("{e}; accepted: rested, adapted, or a state file"),
+                )
             })?,
         };
         let pixels_per_degree = scene.pixels_per_degree;
-        let mut viewer =
-            Viewer::new(scene.vision.clone(), config.pigments(), config.model()?, retina, pixels_per_degree);
+        let mut viewer = Viewer::new(
+            scene.vision.clone(),
+            config.pigments(),
+            config.model()?,
+            retina,
+            pixels_per_degree,
+        );
         viewer.plan = config.plan();
         viewer.surround = Nits(config.settings.gaze.surround_cd_m2);
         Ok(Eye {
             viewer,
             gaze: Gaze::of(config)?,
             probes: record::probes(config),
-            display: (config.settings.output.display == DisplayFile::Png).then(|| scene.display(config)),
+            display: (config.settings.output.display == DisplayFile::Png)
+                .then(|| scene.display(config)),
             map: None,
             counters: Counters { held_frames: scene.held.clone(), ..Counters::default() },
             check: None,
@@ -75,8 +84,8 @@ impl Eye {
         let Checkpoint { head, numbers: [retina, beyond, map, pupil, plan] } = checkpoint.clone();
         let damaged = || Error::file(checkpoint::NAME, "holds a retina of another size");
         let beyond = beyond.try_into().map_err(|_| damaged())?;
-        self.viewer.retina =
-            Retina::restored(retina, head.retina_size, head.retina_origin, beyond).ok_or_else(damaged)?;
+        self.viewer.retina = Retina::restored(retina, head.retina_size, head.retina_origin, beyond)
+            .ok_or_else(damaged)?;
         self.viewer.first_gaze = head.first_gaze;
         self.viewer.pupil.restore(&pupil);
         self.viewer.plan.restore(&plan);
@@ -105,8 +114,8 @@ impl Eye {
         Checkpoint { head, numbers: [retina, beyond, map, pupil.to_numbers(), plan.to_numbers()] }
     }
 
-    /// The places of the sampled check: `None`: to be chosen on the first frame; none where a model was asked for
-    /// that is not meant to be true.
+    /// The places of the sampled check: `None`: to be chosen on the first frame; none where a model
+    /// was asked for that is not meant to be true.
     pub fn places_to_check(&self) -> Option<Vec<[usize; 2]>> {
         match (&self.check, self.viewer.model) {
             (Some(check), _) => Some(check.places.clone()),
@@ -124,8 +133,16 @@ impl Eye {
         (self.viewer.pupil, self.viewer.model, self.viewer.plan) = (pupil, model, plan);
     }
 
-    /// Looks at one frame and hands over what is to be written of it. `recycled`: a percept to be written over.
-    pub fn see(&mut self, loaded: &Loaded, step: &Step, adapt: bool, last: bool, recycled: Option<Planes>) -> Finished {
+    /// Looks at one frame and hands over what is to be written of it. `recycled`: a percept to be
+    /// written over.
+    pub fn see(
+        &mut self,
+        loaded: &Loaded,
+        step: &Step,
+        adapt: bool,
+        last: bool,
+        recycled: Option<Planes>,
+    ) -> Finished {
         let begun = Instant::now();
         let planes = &loaded.frame.planes;
         let size = [planes.width, planes.height];
@@ -158,7 +175,12 @@ impl Eye {
         finished
     }
 
-    fn state_file(&self, step: &Step, size: [usize; 2], last: bool) -> Option<(Option<u32>, Planes, f64)> {
+    fn state_file(
+        &self,
+        step: &Step,
+        size: [usize; 2],
+        last: bool,
+    ) -> Option<(Option<u32>, Planes, f64)> {
         let number = match self.state {
             StateKey::Every => Some(step.number),
             StateKey::Last if last => None,
@@ -174,18 +196,26 @@ impl Eye {
         if self.counters.method_past_limit.is_none() {
             let Viewer { model, pigments, .. } = &self.viewer;
             let past = model.past_limit(pigments, look.census.greatest, Seconds(step.duration));
-            self.counters.method_past_limit = past.map(|problem| format!("frame {}: {problem}", step.number));
+            self.counters.method_past_limit =
+                past.map(|problem| format!("frame {}: {problem}", step.number));
         }
     }
 }
 
 /// The retina of a state file, which must be of the frames' size.
-pub(crate) fn retina_of_file(config: &Config, file: &str, width: usize, height: usize) -> Result<Retina> {
+pub(crate) fn retina_of_file(
+    config: &Config,
+    file: &str,
+    width: usize,
+    height: usize,
+) -> Result<Retina> {
     let path = config.path(file);
     let planes = frames::read_state(&path, config.settings.input.max_pixels)?;
     if (planes.width, planes.height) != (width, height) {
-        let problem =
-            format!("is a state of {} x {} places; the frames have {width} x {height}", planes.width, planes.height);
+        let problem = format!(
+            "is a state of {} x {} places; the frames have {width} x {height}",
+            planes.width, planes.height
+        );
         return Err(Error::file(&path, problem));
     }
     let p = Array3::from_shape_fn((height, 3, width), |(y, k, x)| planes.at(x, y, k));

@@ -37,7 +37,8 @@ pub struct Claim {
 }
 
 impl Claim {
-    /// Makes the folder and claims it. Refused while another run holds it; a killed run holds nothing.
+    /// Makes the folder and claims it. Refused while another run holds it; a killed run holds
+    /// nothing.
     pub fn new(folder: &Path) -> Result<Claim> {
         if folder.exists() && !folder.is_dir() {
             return Err(Error::config(
@@ -51,7 +52,8 @@ impl Claim {
         let file = std::fs::File::create(&path).map_err(Error::io(folder, "write into"))?;
         match file.try_lock() {
             Err(std::fs::TryLockError::WouldBlock) => {
-                let problem = "another run is writing into it; wait for that, or give another folder";
+                let problem =
+                    "another run is writing into it; wait for that, or give another folder";
                 Err(Error::config("--out", folder.display().to_string(), problem))
             }
             // A file system without locks leaves everybody to themselves.
@@ -94,7 +96,9 @@ fn resume(folder: &Path, config: &Value) -> Result<Prepared> {
         return Ok(Prepared::Resume(Box::new(checkpoint)));
     }
     let path = folder.join("report.json");
-    if let Some(report) = std::fs::read_to_string(&path).ok().and_then(|text| serde_json::from_str::<Value>(&text).ok())
+    if let Some(report) = std::fs::read_to_string(&path)
+        .ok()
+        .and_then(|text| serde_json::from_str::<Value>(&text).ok())
     {
         same(folder, &report["config"], config)?;
         return Ok(Prepared::Complete(report));
@@ -108,7 +112,9 @@ pub(crate) fn same(folder: &Path, earlier: &Value, now: &Value) -> Result<()> {
         None => Ok(()),
         Some(key) => {
             let at = |config: &Value| {
-                key.split('.').try_fold(config, |v, part| v.get(part)).map_or("nothing".into(), Value::to_string)
+                key.split('.')
+                    .try_fold(config, |v, part| v.get(part))
+                    .map_or("nothing".into(), Value::to_string)
             };
             let problem = format!(
                 "{}: the earlier run had {}, this one has {}; resume with the same settings, or --overwrite",
@@ -134,8 +140,15 @@ fn remove(folder: &Path, which: impl Fn(&str) -> bool) -> Result<()> {
 }
 
 fn is_ours(name: &str) -> bool {
-    let fixed =
-        ["trace.csv", "probes.csv", "probes.svg", "report.json", "state.exr", "video.ffconcat", checkpoint::NAME];
+    let fixed = [
+        "trace.csv",
+        "probes.csv",
+        "probes.svg",
+        "report.json",
+        "state.exr",
+        "video.ffconcat",
+        checkpoint::NAME,
+    ];
     fixed.contains(&name) || frame_number(name).is_some() || is_temporary(name)
 }
 

@@ -22,7 +22,8 @@ impl Gaze {
     pub fn of(config: &Config) -> Result<Gaze> {
         let keys = &config.settings.gaze;
         if let Some(path) = &keys.path {
-            return Gaze::from_file(&config.path(path)).map_err(|e| config.wrong("gaze.path", e.to_string()));
+            return Gaze::from_file(&config.path(path))
+                .map_err(|e| config.wrong("gaze.path", e.to_string()));
         }
         Ok(match keys.at {
             Aim::At(at) => Gaze::At(at),
@@ -33,7 +34,8 @@ impl Gaze {
 
     fn from_file(path: &Path) -> Result<Gaze> {
         let text = std::fs::read_to_string(path).map_err(Error::io(path, "read"))?;
-        Gaze::from_rows(text.trim_start_matches('\u{feff}')).map_err(|problem| Error::file(path, problem))
+        Gaze::from_rows(text.trim_start_matches('\u{feff}'))
+            .map_err(|problem| Error::file(path, problem))
     }
 
     /// A path from rows of `time_s,x,y` under that header; the problem names the line.
@@ -41,8 +43,15 @@ impl Gaze {
         parse_path(text).map(Gaze::Path)
     }
 
-    /// The point looked at in pixels, for the frame that ends at `time`. `first`: where the first look went.
-    pub fn pixel(&self, time: f64, survey: &Survey, size: [usize; 2], first: Option<[f64; 2]>) -> [f64; 2] {
+    /// The point looked at in pixels, for the frame that ends at `time`. `first`: where the first
+    /// look went.
+    pub fn pixel(
+        &self,
+        time: f64,
+        survey: &Survey,
+        size: [usize; 2],
+        first: Option<[f64; 2]>,
+    ) -> [f64; 2] {
         let of_fraction = |at: [f64; 2]| [0, 1].map(|i| at[i] * size[i] as f64 - 0.5);
         let brightest = [survey.brightest.0 as f64, survey.brightest.1 as f64];
         match self {
@@ -58,7 +67,9 @@ impl Gaze {
 fn along(points: &[(f64, [f64; 2])], time: f64) -> [f64; 2] {
     let next = points.partition_point(|&(t, _)| t <= time);
     match (next.checked_sub(1).map(|i| points[i]), points.get(next)) {
-        (Some((t0, a)), Some(&(t1, b))) => [0, 1].map(|i| a[i] + (b[i] - a[i]) * (time - t0) / (t1 - t0)),
+        (Some((t0, a)), Some(&(t1, b))) => {
+            [0, 1].map(|i| a[i] + (b[i] - a[i]) * (time - t0) / (t1 - t0))
+        }
         (Some((_, at)), None) | (None, Some(&(_, at))) => at,
         (None, None) => [0.5, 0.5],
     }
@@ -66,7 +77,10 @@ fn along(points: &[(f64, [f64; 2])], time: f64) -> [f64; 2] {
 
 /// Reads `time_s,x,y` rows.
 fn parse_path(text: &str) -> Result<Vec<(f64, [f64; 2])>, String> {
-    let mut lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
+    let mut lines = text
+        .lines()
+        .enumerate()
+        .filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
     let header = lines.next().map(|(_, line)| line.trim().to_owned()).unwrap_or_default();
     if header != "time_s,x,y" {
         return Err(format!("found the header {header:?}; accepted: time_s,x,y"));
@@ -75,7 +89,8 @@ fn parse_path(text: &str) -> Result<Vec<(f64, [f64; 2])>, String> {
     for (i, line) in lines {
         let cells: Vec<f64> = line.split(',').map_while(|cell| cell.trim().parse().ok()).collect();
         let sound = |c: &&[f64]| c[0].is_finite() && c[1..].iter().all(|v| (0.0..=1.0).contains(v));
-        let Some(&[time, x, y]) = Some(&cells[..]).filter(|c| c.len() == 3 && sound(c)).and_then(|c| c.first_chunk())
+        let Some(&[time, x, y]) =
+            Some(&cells[..]).filter(|c| c.len() == 3 && sound(c)).and_then(|c| c.first_chunk())
         else {
             return Err(format!(
                 "line {}: found {line:?}; accepted: a time in s and two fractions of the picture, 0 to 1",
@@ -87,7 +102,11 @@ fn parse_path(text: &str) -> Result<Vec<(f64, [f64; 2])>, String> {
         }
         points.push((time, [x, y]));
     }
-    if points.is_empty() { Err("holds no point; accepted: rows of time_s,x,y".into()) } else { Ok(points) }
+    if points.is_empty() {
+        Err("holds no point; accepted: rows of time_s,x,y".into())
+    } else {
+        Ok(points)
+    }
 }
 
 #[cfg(test)]
@@ -96,7 +115,8 @@ mod tests {
 
     #[test]
     fn a_path_is_straight_between_its_points_and_rests_at_its_ends() {
-        let points = parse_path("time_s,x,y\n0,0.5,0.5\n2,0.5,0.5\n# a comment\n3,0.9,0.1\n").unwrap();
+        let points =
+            parse_path("time_s,x,y\n0,0.5,0.5\n2,0.5,0.5\n# a comment\n3,0.9,0.1\n").unwrap();
         assert_eq!(along(&points, -1.0), [0.5, 0.5]);
         assert_eq!(along(&points, 2.5), [0.7, 0.3]);
         assert_eq!(along(&points, 9.0), [0.9, 0.1]);

@@ -1,8 +1,8 @@
 //! A run: a sequence of frames through the eye, into a folder.
 //!
-//! Three stages with bounded queues between them: a reader decodes ahead, the eye looks, a writer encodes behind.
-//! All share rayon's global pool (within a pool of the caller's own, only the eye moves there). Pixels and numbers do
-//! not depend on how many threads there are.
+//! Three stages with bounded queues between them: a reader decodes ahead, the eye looks, a writer
+//! encodes behind. All share rayon's global pool (within a pool of the caller's own, only the eye
+//! moves there). Pixels and numbers do not depend on how many threads there are.
 
 pub mod checkpoint;
 mod eye;
@@ -62,7 +62,12 @@ pub struct Outcome {
 }
 
 /// Runs a configuration into a folder.
-pub fn run(config: &Config, folder: &Path, existing: Existing, watch: &dyn Watch) -> Result<Outcome> {
+pub fn run(
+    config: &Config,
+    folder: &Path,
+    existing: Existing,
+    watch: &dyn Watch,
+) -> Result<Outcome> {
     let begun = Instant::now();
     let resolved = resolved(&config.settings);
     // Everything that can be wrong is found before an earlier run's files are touched.
@@ -117,9 +122,16 @@ fn stages(
     let (give_back_seen, spent_seen) = sync_channel(QUEUE + 2);
     std::thread::scope(|threads| {
         let sequence = scene.sequence(eye.places_to_check());
-        let reader = threads.spawn(move || reader::read_all(sequence, steps, &to_eye, &spent_planes));
-        let writer = threads.spawn(move || writer.write_all(tables, &from_eye, &give_back_seen, watch, progress));
-        let links = Links { from_reader: &from_reader, to_writer, give_back: &give_back, spent_seen: &spent_seen };
+        let reader =
+            threads.spawn(move || reader::read_all(sequence, steps, &to_eye, &spent_planes));
+        let writer = threads
+            .spawn(move || writer.write_all(tables, &from_eye, &give_back_seen, watch, progress));
+        let links = Links {
+            from_reader: &from_reader,
+            to_writer,
+            give_back: &give_back,
+            spent_seen: &spent_seen,
+        };
         let looked = look_at_all(config, scene, eye, links, watch);
         drop((from_reader, give_back));
         let decode = join(reader);
@@ -135,7 +147,12 @@ fn join<T>(thread: std::thread::ScopedJoinHandle<'_, T>) -> T {
 }
 
 /// The writer of a configuration's pictures.
-pub(crate) fn writer<'a>(config: &Config, scene: &Scene, resolved: &Value, folder: &'a Path) -> Result<Writer<'a>> {
+pub(crate) fn writer<'a>(
+    config: &Config,
+    scene: &Scene,
+    resolved: &Value,
+    folder: &'a Path,
+) -> Result<Writer<'a>> {
     let digest = digest(resolved.to_string().as_bytes());
     Ok(Writer {
         folder,
@@ -154,7 +171,8 @@ pub(crate) fn digest(bytes: &[u8]) -> String {
     format!("{:016x}", bytes.iter().fold(0xcbf2_9ce4_8422_2325, fnv1a))
 }
 
-/// What ties the eye's stage to its neighbours: frames one way, planes to be written over the other.
+/// What ties the eye's stage to its neighbours: frames one way, planes to be written over the
+/// other.
 struct Links<'a> {
     from_reader: &'a Receiver<Result<Arc<Loaded>>>,
     to_writer: SyncSender<Delivery>,
@@ -163,7 +181,13 @@ struct Links<'a> {
 }
 
 /// The eye's stage: every frame in order, checkpoints now and then.
-fn look_at_all(config: &Config, scene: &Scene, eye: &mut Eye, links: Links<'_>, watch: &dyn Watch) -> Result<()> {
+fn look_at_all(
+    config: &Config,
+    scene: &Scene,
+    eye: &mut Eye,
+    links: Links<'_>,
+    watch: &dyn Watch,
+) -> Result<()> {
     let Links { from_reader, to_writer, give_back, spent_seen } = links;
     let every = Duration::from_secs_f64(config.settings.output.checkpoint_s);
     let adapted = config.settings.observer.start == "adapted";
@@ -190,7 +214,8 @@ fn look_at_all(config: &Config, scene: &Scene, eye: &mut Eye, links: Links<'_>, 
         let stop = watch.interrupted() && !last;
         if stop || (!last && last_checkpoint.elapsed() >= every) {
             last_checkpoint = Instant::now();
-            if to_writer.send(Delivery::Checkpoint(Box::new(eye.checkpoint(&scene.steps)))).is_err() {
+            if to_writer.send(Delivery::Checkpoint(Box::new(eye.checkpoint(&scene.steps)))).is_err()
+            {
                 return Ok(());
             }
         }
@@ -263,7 +288,9 @@ fn film(config: &Config, scene: &Scene, folder: &Path, watch: &dyn Watch) -> Res
         return Ok(());
     }
     if let Some(command) = video::make(folder, &output.video, &scene.steps)? {
-        watch.warn(&format!("ffmpeg is not on the PATH; this makes the film where it is: {command}"));
+        watch.warn(&format!(
+            "ffmpeg is not on the PATH; this makes the film where it is: {command}"
+        ));
     }
     Ok(())
 }

@@ -1,4 +1,5 @@
-//! `probes.svg`: what the probes' pigments and percepts did in time, a row of two panels for each probe.
+//! `probes.svg`: what the probes' pigments and percepts did in time, a row of two panels for each
+//! probe.
 
 use std::path::Path;
 
@@ -23,7 +24,8 @@ const BLEACHED: [Curve; 3] = [
     ("M", GREEN, "9,4", |r| 1.0 - r.p[1]),
     ("S", BLUE, "2,3", |r| 1.0 - r.p[2]),
 ];
-const SEEN: [Curve; 2] = [("x", BLACK, "", |r| r.chromaticity()[0]), ("y", PURPLE, "9,4", |r| r.chromaticity()[1])];
+const SEEN: [Curve; 2] =
+    [("x", BLACK, "", |r| r.chromaticity()[0]), ("y", PURPLE, "9,4", |r| r.chromaticity()[1])];
 
 /// Draws bleached fractions and chromaticity of every probe against time.
 pub fn write(path: &Path, history: &[(f64, Vec<Reading>)]) -> Result<()> {
@@ -42,15 +44,19 @@ fn drawn(history: &[(f64, Vec<Reading>)]) -> Sheet {
         let name = of_probe.first().map_or("", |(_, reading)| reading.probe.as_str());
         sheet.bold((80.0, top - 18.0), name, 18, Anchor::Start, BLACK);
         let x = time_axis(history);
-        let bleached = Axis { from: 0.0, to: 1.0, logarithmic: false, every: 0.2, label: "bleached fraction" };
+        let bleached =
+            Axis { from: 0.0, to: 1.0, logarithmic: false, every: 0.2, label: "bleached fraction" };
         let (from, to) = CHROMATICITY;
-        let seen = Axis { from, to, logarithmic: false, every: 0.2, label: "chromaticity of the percept" };
+        let seen =
+            Axis { from, to, logarithmic: false, every: 0.2, label: "chromaticity of the percept" };
         for (left, y, curves) in [(80.0, bleached, &BLEACHED[..]), (670.0, seen, &SEEN[..])] {
             let panel = Panel { left, top, width: 500.0, height: ROW - 110.0, x, y };
             panel.frame(&mut sheet);
             legend(&mut sheet, &panel, curves);
             curves.iter().for_each(|curve| draw(&mut sheet, &panel, curve, &of_probe));
-            let values = of_probe.iter().flat_map(|(_, reading)| curves.iter().map(|curve| curve.3(reading)));
+            let values = of_probe
+                .iter()
+                .flat_map(|(_, reading)| curves.iter().map(|curve| curve.3(reading)));
             note_breaks(&mut sheet, &panel, values);
         }
     }
@@ -66,7 +72,13 @@ fn time_axis(history: &[(f64, Vec<Reading>)]) -> Axis<'static> {
     }
     let decade = 10f64.powf((last / 2.0).log10().floor());
     let every = [1.0, 2.0, 5.0].map(|n| n * decade).into_iter().find(|step| last / step <= 8.0);
-    Axis { from: 0.0, to: last, logarithmic: false, every: every.unwrap_or(last), label: "time (s)" }
+    Axis {
+        from: 0.0,
+        to: last,
+        logarithmic: false,
+        every: every.unwrap_or(last),
+        label: "time (s)",
+    }
 }
 
 /// Samples of the panel's curves, over its right end.
@@ -87,7 +99,8 @@ pub(crate) fn inside(panel: &Panel, value: f64) -> bool {
 
 /// Says below a panel why its lines break, if they do. Black alone has no chromaticity.
 pub(crate) fn note_breaks(sheet: &mut Sheet, panel: &Panel, values: impl Iterator<Item = f64>) {
-    let (black, outside): (Vec<f64>, Vec<f64>) = values.filter(|&v| !inside(panel, v)).partition(|v| v.is_nan());
+    let (black, outside): (Vec<f64>, Vec<f64>) =
+        values.filter(|&v| !inside(panel, v)).partition(|v| v.is_nan());
     let words = match (black.is_empty(), outside.is_empty()) {
         (true, true) => return,
         (true, false) => "outside the panel where the line breaks",
@@ -98,9 +111,15 @@ pub(crate) fn note_breaks(sheet: &mut Sheet, panel: &Panel, values: impl Iterato
 }
 
 /// Draws a curve, in pieces where it leaves the panel.
-fn draw(sheet: &mut Sheet, panel: &Panel, (_, ink, dashes, value): &Curve, readings: &[(f64, &Reading)]) {
+fn draw(
+    sheet: &mut Sheet,
+    panel: &Panel,
+    (_, ink, dashes, value): &Curve,
+    readings: &[(f64, &Reading)],
+) {
     for piece in readings.split(|(_, reading)| !inside(panel, value(reading))) {
-        let points: Vec<Point> = piece.iter().map(|(t, reading)| panel.at(*t, value(reading))).collect();
+        let points: Vec<Point> =
+            piece.iter().map(|(t, reading)| panel.at(*t, value(reading))).collect();
         sheet.polyline(&points, *ink, 2.4, dashes);
     }
 }
@@ -136,13 +155,17 @@ mod tests {
     #[test]
     fn a_panel_says_why_its_line_breaks_and_only_then() {
         let told = |xyz: [[f64; 3]; 3]| {
-            let one = |(i, xyz): (usize, [f64; 3])| (i as f64, vec![Reading { xyz, ..reading(0.5) }]);
+            let one =
+                |(i, xyz): (usize, [f64; 3])| (i as f64, vec![Reading { xyz, ..reading(0.5) }]);
             drawn(&xyz.into_iter().enumerate().map(one).collect::<Vec<_>>()).svg()
         };
         let (white, black, beyond) = ([1.0; 3], [0.0; 3], [-6.6, 1.0, 6.6]);
         assert!(!told([white; 3]).contains("where the line breaks"));
         assert!(told([white, black, white]).contains(">black where the line breaks<"));
         assert!(told([white, beyond, white]).contains(">outside the panel where the line breaks<"));
-        assert!(told([black, beyond, white]).contains(">outside the panel or black where the line breaks<"));
+        assert!(
+            told([black, beyond, white])
+                .contains(">outside the panel or black where the line breaks<")
+        );
     }
 }

@@ -32,8 +32,8 @@ pub struct Sequence<'a> {
 }
 
 impl Sequence<'_> {
-    /// Decodes and surveys one file. The first one is decoded twice if its places are still to be chosen and its
-    /// spectra to be kept.
+    /// Decodes and surveys one file. The first one is decoded twice if its places are still to be
+    /// chosen and its spectra to be kept.
     pub fn load(&mut self, file: usize, recycled: Option<Planes>) -> Result<Loaded> {
         if self.places.is_none() {
             let first = self.footage.read(file, self.vision.projection(), recycled)?;
@@ -49,15 +49,16 @@ impl Sequence<'_> {
         let frame = self.footage.read(file, keeping.as_ref(), recycled)?;
         let survey = viewer::survey(self.vision, &frame.planes, self.pixels_per_degree);
         if !(survey.mean.is_finite() && survey.greatest.is_finite()) {
-            let problem = "is brighter than 3.4e38 cd/m2 somewhere: check input.white_cd_m2 or input.scale";
+            let problem =
+                "is brighter than 3.4e38 cd/m2 somewhere: check input.white_cd_m2 or input.scale";
             return Err(Error::file(format!("frame file {}", file + 1), problem));
         }
         Ok(Loaded { frame, survey, places, kept })
     }
 }
 
-/// Reads the file of every step in order, each file that follows itself once, until the eye hangs up.
-/// `spent` holds planes to be written over. Returns the time spent in decoding.
+/// Reads the file of every step in order, each file that follows itself once, until the eye hangs
+/// up. `spent` holds planes to be written over. Returns the time spent in decoding.
 pub fn read_all(
     mut sequence: Sequence<'_>,
     steps: &[Step],

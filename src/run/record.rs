@@ -84,7 +84,13 @@ impl Probe {
 }
 
 /// The row of `trace.csv`.
-pub fn trace_row(viewer: &Viewer, planes: &Planes, look: &Look, gaze: [f64; 2], step: &Step) -> String {
+pub fn trace_row(
+    viewer: &Viewer,
+    planes: &Planes,
+    look: &Look,
+    gaze: [f64; 2],
+    step: &Step,
+) -> String {
     let size = [planes.width, planes.height];
     let at = [0, 1].map(|i| (gaze[i] + 0.5) / size[i] as f64);
     let sce = viewer.vision.observer.equal_energy_weight(look.pupil, Millimetres(0.0));
@@ -120,15 +126,22 @@ pub fn probe_rows(readings: &[Reading], step: &Step) -> String {
 /// At most this many frames of `probes.csv` are plotted, evenly thinned.
 const PLOTTED: usize = 2000;
 
-/// Reads `probes.csv` back, so that a resumed run plots what came before: the readings of each frame by its time.
+/// Reads `probes.csv` back, so that a resumed run plots what came before: the readings of each
+/// frame by its time.
 pub fn read_back(path: &Path) -> Result<Vec<(f64, Vec<Reading>)>> {
     let lines = || -> Result<_> {
         let file = std::fs::File::open(path).map_err(Error::io(path, "read"))?;
-        Ok(BufReader::new(file).lines().skip(1).map_while(|line| line.ok()).filter_map(|line| parse(&line)))
+        Ok(BufReader::new(file)
+            .lines()
+            .skip(1)
+            .map_while(|line| line.ok())
+            .filter_map(|line| parse(&line)))
     };
-    let frames = lines()?.fold((0usize, f64::NAN), |(n, last), (t, _)| (n + usize::from(t != last), t)).0;
+    let frames =
+        lines()?.fold((0usize, f64::NAN), |(n, last), (t, _)| (n + usize::from(t != last), t)).0;
     let stride = frames.div_ceil(PLOTTED).max(1);
-    let (mut history, mut frame, mut last): (Vec<(f64, Vec<Reading>)>, usize, f64) = (Vec::new(), 0, f64::NAN);
+    let (mut history, mut frame, mut last): (Vec<(f64, Vec<Reading>)>, usize, f64) =
+        (Vec::new(), 0, f64::NAN);
     for (time, reading) in lines()? {
         frame += usize::from(time != last);
         last = time;
@@ -146,8 +159,12 @@ fn parse(line: &str) -> Option<(f64, Reading)> {
     let cells: Vec<&str> = line.split(',').collect();
     let number = |i: usize| cells.get(i)?.parse().ok();
     let triple = |i: usize| Some([number(i)?, number(i + 1)?, number(i + 2)?]);
-    let reading =
-        Reading { probe: (*cells.get(2)?).to_owned(), illuminance: triple(3)?, p: triple(6)?, xyz: triple(9)? };
+    let reading = Reading {
+        probe: (*cells.get(2)?).to_owned(),
+        illuminance: triple(3)?,
+        p: triple(6)?,
+        xyz: triple(9)?,
+    };
     Some((number(1)?, reading))
 }
 
@@ -166,11 +183,15 @@ mod tests {
             xyz: [0.0; 3],
         };
         let step = |i: u32| Step { number: i, file: 0, start: f64::from(i), duration: 0.1 };
-        let rows: String = (0..5000).map(|i| probe_rows(&[reading(i), reading(i)], &step(i))).collect();
+        let rows: String =
+            (0..5000).map(|i| probe_rows(&[reading(i), reading(i)], &step(i))).collect();
         std::fs::write(&path, format!("{PROBES}{rows}")).unwrap();
         let history = read_back(&path).unwrap();
         assert!(history.len() <= PLOTTED + 1 && history.len() > PLOTTED / 2);
         assert_eq!(history[0], (step(0).end(), vec![reading(0), reading(0)]));
-        assert_eq!(history[history.len() - 1], (step(4999).end(), vec![reading(4999), reading(4999)]));
+        assert_eq!(
+            history[history.len() - 1],
+            (step(4999).end(), vec![reading(4999), reading(4999)])
+        );
     }
 }

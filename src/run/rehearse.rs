@@ -1,4 +1,5 @@
-//! A rehearsal: the frames go by the eye once and nothing is written, to learn what a run would model and leave out.
+//! A rehearsal: the frames go by the eye once and nothing is written, to learn what a run would
+//! model and leave out.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -11,7 +12,8 @@ use crate::config::Config;
 use crate::error::{Error, Result};
 use crate::run::watch::Watch;
 
-/// The plan of a configuration: the same terms that `report.json` of its run has, and what its frames cost.
+/// The plan of a configuration: the same terms that `report.json` of its run has, and what its
+/// frames cost.
 pub fn rehearse(config: &Config, watch: &dyn Watch) -> Result<Value> {
     let scene = Scene::open(config)?;
     let mut eye = Eye::new(config, &scene, resolved(&config.settings))?;
@@ -23,7 +25,10 @@ pub fn rehearse(config: &Config, watch: &dyn Watch) -> Result<Value> {
             Some((file, loaded)) if *file == step.file => loaded.clone(),
             _ => {
                 let begun = Instant::now();
-                let old = last.take().and_then(|(_, loaded)| Arc::into_inner(loaded)).map(|old| old.frame.planes);
+                let old = last
+                    .take()
+                    .and_then(|(_, loaded)| Arc::into_inner(loaded))
+                    .map(|old| old.frame.planes);
                 let loaded = sequence.load(step.file, old)?;
                 reading += begun.elapsed();
                 Arc::new(loaded)

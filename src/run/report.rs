@@ -1,4 +1,5 @@
-//! `report.json`: what was run, with which constants, what was left out, what went wrong, and how long it took.
+//! `report.json`: what was run, with which constants, what was left out, what went wrong, and how
+//! long it took.
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -22,7 +23,8 @@ pub struct Counters {
     pub held_frames: Vec<u32>,
     /// Percept samples beyond what a half float holds.
     pub limited: u64,
-    /// First time, s, and greatest share of the retina with more than half of its S pigment bleached.
+    /// First time, s, and greatest share of the retina with more than half of its S pigment
+    /// bleached.
     pub s_past_half_from_s: Option<f64>,
     pub s_past_half_share: f64,
     /// First frame that took a method past its limit: its message.
@@ -46,7 +48,8 @@ impl Counters {
         self.limited += census.limited;
         if census.s_past_half > 0 {
             self.s_past_half_from_s.get_or_insert(time);
-            self.s_past_half_share = self.s_past_half_share.max(census.s_past_half as f64 / places as f64);
+            self.s_past_half_share =
+                self.s_past_half_share.max(census.s_past_half as f64 / places as f64);
         }
     }
 
@@ -60,11 +63,16 @@ impl Counters {
         let mut parts = Vec::new();
         if !self.mended_frames.is_empty() {
             let (nan, infinite) = (self.nan, self.infinite);
-            parts
-                .push(format!("{nan} NaN and {infinite} infinite samples replaced in {}", frames(&self.mended_frames)));
+            parts.push(format!(
+                "{nan} NaN and {infinite} infinite samples replaced in {}",
+                frames(&self.mended_frames)
+            ));
         }
         if !self.held_frames.is_empty() {
-            parts.push(format!("no file for {}: the frame before was held", frames(&self.held_frames)));
+            parts.push(format!(
+                "no file for {}: the frame before was held",
+                frames(&self.held_frames)
+            ));
         }
         if self.negative > 0 {
             parts.push(format!("{} negative samples met", self.negative));
@@ -82,12 +90,18 @@ impl Counters {
             ));
         }
         if self.limited > 0 {
-            warnings
-                .push(format!("{} samples of the percept were limited to the largest half float, 65504", self.limited));
+            warnings.push(format!(
+                "{} samples of the percept were limited to the largest half float, 65504",
+                self.limited
+            ));
         }
         if let Some(time) = self.s_past_half_from_s {
             let percent = 100.0 * self.s_past_half_share;
-            let share = if percent < 0.01 { "less than 0.01".into() } else { format!("up to {percent:.2}") };
+            let share = if percent < 0.01 {
+                "less than 0.01".into()
+            } else {
+                format!("up to {percent:.2}")
+            };
             warnings.push(format!(
                 "S cones lost more than half of their pigment from {time:.3} s on, over {share} % of the retina; \
                  such bleaching can impair them for long"
@@ -98,7 +112,8 @@ impl Counters {
     }
 }
 
-/// The `check` of a run whose model was asked for and is not meant to be true: nothing was compared.
+/// The `check` of a run whose model was asked for and is not meant to be true: nothing was
+/// compared.
 pub fn unchecked() -> Value {
     json!({ "samples": 0, "max_error_p": null, "max_error_catch": null })
 }
@@ -115,7 +130,8 @@ fn frames(numbers: &[u32]) -> String {
 pub fn constants(config: &Config) -> Value {
     let o = &config.settings.observer;
     let set = constants::named(&o.constants);
-    let as_published = set.is_some_and(|s| s.half_bleach_log_td == o.half_bleach_log_td && s.tau_s == o.tau_s);
+    let as_published =
+        set.is_some_and(|s| s.half_bleach_log_td == o.half_bleach_log_td && s.tau_s == o.tau_s);
     json!({
         "set": o.constants,
         "source": if as_published { set.map_or("", |s| s.source) } else { "given in the configuration" },

@@ -33,13 +33,24 @@ impl Scene {
         let steps = if sequence.numbers.len() == 1 {
             schedule::of_still(config)?
         } else {
-            schedule::of_sequence(config, &sequence.numbers, &sequence.shows, footage.header().frames_per_second)?
+            schedule::of_sequence(
+                config,
+                &sequence.numbers,
+                &sequence.shows,
+                footage.header().frames_per_second,
+            )?
         };
         let across = config.settings.input.horizontal_fov_deg.unwrap_or(builtin::FIELD_DEG);
         Scene::of(config, footage, steps, sequence.held, across)
     }
 
-    fn of(config: &Config, footage: Box<dyn Footage>, steps: Vec<Step>, held: Vec<u32>, across: f64) -> Result<Scene> {
+    fn of(
+        config: &Config,
+        footage: Box<dyn Footage>,
+        steps: Vec<Step>,
+        held: Vec<u32>,
+        across: f64,
+    ) -> Result<Scene> {
         let header = footage.header();
         let pixels_per_degree = header.width as f64 / across;
         let mut white = None;
@@ -47,8 +58,11 @@ impl Scene {
             Kind::Spectral(bands) => Vision::of_bands(config.observer(), bands),
             Kind::Rgb(primaries) => {
                 white = Some(white_of(config, header.white)?);
-                let vision = Vision::of_rgb(config.observer(), primaries, white.unwrap_or_default());
-                vision.ok_or_else(|| config.wrong("input.frames", "the file's chromaticities span no gamut"))?
+                let vision =
+                    Vision::of_rgb(config.observer(), primaries, white.unwrap_or_default());
+                vision.ok_or_else(|| {
+                    config.wrong("input.frames", "the file's chromaticities span no gamut")
+                })?
             }
         };
         Ok(Scene { pixels_per_degree, vision, steps, held, white, footage })
@@ -59,9 +73,11 @@ impl Scene {
         Display { luminance: self.vision.srgb_luminance(), ..config.display() }
     }
 
-    /// The footage for the reader. `places`: those to check; `None`: such as the first frame suggests.
+    /// The footage for the reader. `places`: those to check; `None`: such as the first frame
+    /// suggests.
     pub fn sequence(&self, places: Option<Vec<[usize; 2]>>) -> Sequence<'_> {
-        let (footage, vision, pixels_per_degree) = (&*self.footage, &self.vision, self.pixels_per_degree);
+        let (footage, vision, pixels_per_degree) =
+            (&*self.footage, &self.vision, self.pixels_per_degree);
         Sequence { footage, vision, pixels_per_degree, places }
     }
 
@@ -72,8 +88,7 @@ impl Scene {
             Kind::Rgb(primaries) => (*primaries, self.white),
             Kind::Spectral(_) => (Primaries::REC709, Some(Nits(1.0))),
         };
-        let made_by =
-            serde_json::json!({ "made_by": concat!("sungaze ", env!("CARGO_PKG_VERSION")), "config": digest });
+        let made_by = serde_json::json!({ "made_by": concat!("sungaze ", env!("CARGO_PKG_VERSION")), "config": digest });
         About {
             primaries: Some(primaries),
             white,

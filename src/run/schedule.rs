@@ -30,7 +30,9 @@ pub fn of_still(config: &Config) -> Result<Vec<Step>> {
     let time = &config.settings.time;
     let edges = match time {
         Time { times_s: Some(times), .. } => edges_of_times(config, times)?,
-        Time { duration_s: Some(duration), .. } => even_edges(config, *duration, interval(time, FPS))?,
+        Time { duration_s: Some(duration), .. } => {
+            even_edges(config, *duration, interval(time, FPS))?
+        }
         Time { fps: Some(_), .. } | Time { interval_s: Some(_), .. } => {
             even_edges(config, STILL.1, interval(time, FPS))?
         }
@@ -40,10 +42,18 @@ pub fn of_still(config: &Config) -> Result<Vec<Step>> {
 }
 
 /// The frames of a sequence: `numbers` and the file that shows each.
-pub fn of_sequence(config: &Config, numbers: &[u32], shows: &[usize], file_fps: Option<f64>) -> Result<Vec<Step>> {
+pub fn of_sequence(
+    config: &Config,
+    numbers: &[u32],
+    shows: &[usize],
+    file_fps: Option<f64>,
+) -> Result<Vec<Step>> {
     let time = &config.settings.time;
     if time.duration_s.is_some() {
-        return Err(config.wrong("time.duration_s", "belongs to a still; a sequence lasts as long as its frames"));
+        return Err(config.wrong(
+            "time.duration_s",
+            "belongs to a still; a sequence lasts as long as its frames",
+        ));
     }
     let edges = match &time.times_s {
         Some(times) => edges_of_frames(config, times, numbers.len())?,
@@ -65,7 +75,10 @@ fn interval(time: &Time, fps: f64) -> f64 {
 
 fn steps(edges: &[f64], frames: impl Iterator<Item = (u32, usize)>) -> Vec<Step> {
     let spans = edges.windows(2);
-    spans.zip(frames).map(|(e, (number, file))| Step { number, file, start: e[0], duration: e[1] - e[0] }).collect()
+    spans
+        .zip(frames)
+        .map(|(e, (number, file))| Step { number, file, start: e[0], duration: e[1] - e[0] })
+        .collect()
 }
 
 fn logarithmic_edges() -> Vec<f64> {
@@ -78,13 +91,14 @@ fn logarithmic_edges() -> Vec<f64> {
 fn even_edges(config: &Config, duration: f64, interval: f64) -> Result<Vec<f64>> {
     let count = (duration / interval * (1.0 - 1e-12)).ceil().max(1.0);
     if count > 1e7 {
-        return Err(config.wrong("time", format!("asks for {count} frames; at most 10 000 000 are accepted")));
+        return Err(config
+            .wrong("time", format!("asks for {count} frames; at most 10 000 000 are accepted")));
     }
     Ok((0..count as u32).map(|i| f64::from(i) * interval).chain([duration]).collect())
 }
 
-/// A still is looked at over these times: each is the start of a frame but the last, which ends it, unless
-/// `duration_s` says when the last frame ends.
+/// A still is looked at over these times: each is the start of a frame but the last, which ends it,
+/// unless `duration_s` says when the last frame ends.
 fn edges_of_times(config: &Config, times: &[f64]) -> Result<Vec<f64>> {
     let mut edges = times.to_vec();
     match config.settings.time.duration_s {
@@ -94,7 +108,9 @@ fn edges_of_times(config: &Config, times: &[f64]) -> Result<Vec<f64>> {
             return Err(config.wrong("time.duration_s", problem));
         }
         None if edges.len() < 2 => {
-            return Err(config.wrong("time.times_s", "a still needs a start and an end, or duration_s"));
+            return Err(
+                config.wrong("time.times_s", "a still needs a start and an end, or duration_s")
+            );
         }
         None => {}
     }
@@ -120,7 +136,8 @@ fn edges_of_frames(config: &Config, times: &[f64], frames: usize) -> Result<Vec<
     Ok(edges)
 }
 
-/// Time follows frame numbers: frame n is at (n - first) intervals, whatever steps the numbers take.
+/// Time follows frame numbers: frame n is at (n - first) intervals, whatever steps the numbers
+/// take.
 fn edges_of_numbers(numbers: &[u32], interval: f64) -> Vec<f64> {
     let Some(&first) = numbers.first() else { return Vec::new() };
     let at = |number: u32| f64::from(number - first) * interval;
@@ -164,18 +181,29 @@ mod tests {
 
     #[test]
     fn time_follows_frame_numbers_not_files() {
-        let steps = of_sequence(&config("time = { fps = 10 }"), &[5, 6, 9], &[0, 0, 1], Some(25.0)).unwrap();
-        assert_eq!(ends(&steps).iter().map(|e| (e * 10.0).round()).collect::<Vec<_>>(), [1.0, 4.0, 7.0]);
+        let steps = of_sequence(&config("time = { fps = 10 }"), &[5, 6, 9], &[0, 0, 1], Some(25.0))
+            .unwrap();
+        assert_eq!(
+            ends(&steps).iter().map(|e| (e * 10.0).round()).collect::<Vec<_>>(),
+            [1.0, 4.0, 7.0]
+        );
         let by_file = of_sequence(&config(""), &[5, 6], &[0, 1], Some(25.0)).unwrap();
         assert_eq!(by_file[0].duration, 0.04);
     }
 
     #[test]
     fn times_are_starts_and_may_name_the_end() {
-        let starts = of_sequence(&config("time = { times_s = [0, 0.5, 2] }"), &[1, 2, 3], &[0, 1, 2], None).unwrap();
+        let starts =
+            of_sequence(&config("time = { times_s = [0, 0.5, 2] }"), &[1, 2, 3], &[0, 1, 2], None)
+                .unwrap();
         assert_eq!(ends(&starts), [0.5, 2.0, 3.5]);
-        let ended = of_sequence(&config("time = { times_s = [0, 0.5, 2] }"), &[1, 2], &[0, 1], None).unwrap();
+        let ended =
+            of_sequence(&config("time = { times_s = [0, 0.5, 2] }"), &[1, 2], &[0, 1], None)
+                .unwrap();
         assert_eq!(ends(&ended), [0.5, 2.0]);
-        assert!(of_sequence(&config("time = { times_s = [0, 1] }"), &[1, 2, 3], &[0, 1, 2], None).is_err());
+        assert!(
+            of_sequence(&config("time = { times_s = [0, 1] }"), &[1, 2, 3], &[0, 1, 2], None)
+                .is_err()
+        );
     }
 }

@@ -92,14 +92,18 @@ impl Tables {
 
     fn lengths(&self) -> Result<[u64; 2]> {
         let length = |(path, file): &(PathBuf, File)| {
-            file.sync_data().and_then(|()| file.metadata()).map(|m| m.len()).map_err(Error::io(path, "write"))
+            file.sync_data()
+                .and_then(|()| file.metadata())
+                .map(|m| m.len())
+                .map_err(Error::io(path, "write"))
         };
         Ok([length(&self.trace)?, length(&self.probes)?])
     }
 }
 
 impl Writer<'_> {
-    /// Writes everything that arrives, in order, until the eye hangs up. Percepts go back to be written over.
+    /// Writes everything that arrives, in order, until the eye hangs up. Percepts go back to be
+    /// written over.
     pub fn write_all(
         &self,
         mut tables: Tables,
@@ -119,7 +123,9 @@ impl Writer<'_> {
                     done += 1;
                     watch.frames(done, total);
                 }
-                Delivery::Checkpoint(checkpoint) => checkpoint.write(self.folder, tables.lengths()?)?,
+                Delivery::Checkpoint(checkpoint) => {
+                    checkpoint.write(self.folder, tables.lengths()?)?
+                }
             }
         }
         Ok(spent)
@@ -153,16 +159,19 @@ impl Writer<'_> {
         let width = seen.width;
         let mut bytes = vec![0; 3 * width * seen.height];
         let scratch = || (vec![0.0; 3 * width], vec![0.0; 3 * width]);
-        bytes.par_chunks_exact_mut(3 * width).enumerate().for_each_init(scratch, |(light, srgb), (y, bytes)| {
-            let row = seen.row(y);
-            let light = row.as_f32(light);
-            let light = Strip::whole(light, width);
-            for (weights, out) in self.seen_to_srgb.iter().zip(srgb.chunks_exact_mut(width)) {
-                kernel::combine(light, weights, out);
-            }
-            let [r, g, b] = [0, 1, 2].map(|i| &srgb[i * width..][..width]);
-            self.display.encode_row(map, [r, g, b], 1.0, bytes);
-        });
+        bytes.par_chunks_exact_mut(3 * width).enumerate().for_each_init(
+            scratch,
+            |(light, srgb), (y, bytes)| {
+                let row = seen.row(y);
+                let light = row.as_f32(light);
+                let light = Strip::whole(light, width);
+                for (weights, out) in self.seen_to_srgb.iter().zip(srgb.chunks_exact_mut(width)) {
+                    kernel::combine(light, weights, out);
+                }
+                let [r, g, b] = [0, 1, 2].map(|i| &srgb[i * width..][..width]);
+                self.display.encode_row(map, [r, g, b], 1.0, bytes);
+            },
+        );
         bytes
     }
 }

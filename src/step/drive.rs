@@ -1,6 +1,7 @@
 //! The light of one place over one step.
 //!
-//! A frame holds its light; ramps and sines are for charts and tests, where what happens between frames is known.
+//! A frame holds its light; ramps and sines are for charts and tests, where what happens between
+//! frames is known.
 
 use crate::units::Trolands;
 
@@ -52,7 +53,9 @@ impl Drive {
         match self {
             Drive::Held(_) => Trolands(0.0),
             Drive::Ramp { from, to } => Trolands(to.0 - from.0),
-            Drive::Sine { amplitude, phase, turn, .. } => Trolands(amplitude.0 * turn * phase.cos()),
+            Drive::Sine { amplitude, phase, turn, .. } => {
+                Trolands(amplitude.0 * turn * phase.cos())
+            }
         }
     }
 
@@ -61,9 +64,12 @@ impl Drive {
         match self {
             Drive::Held(light) => Drive::Held(light),
             Drive::Ramp { .. } => Drive::Ramp { from: self.at(from), to: self.at(to) },
-            Drive::Sine { mean, amplitude, phase, turn } => {
-                Drive::Sine { mean, amplitude, phase: phase + turn * from, turn: turn * (to - from) }
-            }
+            Drive::Sine { mean, amplitude, phase, turn } => Drive::Sine {
+                mean,
+                amplitude,
+                phase: phase + turn * from,
+                turn: turn * (to - from),
+            },
         }
     }
 }
@@ -74,10 +80,12 @@ mod tests {
 
     #[test]
     fn the_mean_of_a_whole_is_the_mean_of_its_parts() {
-        let sine = Drive::Sine { mean: Trolands(5.0), amplitude: Trolands(2.0), phase: 0.3, turn: 1.7 };
+        let sine =
+            Drive::Sine { mean: Trolands(5.0), amplitude: Trolands(2.0), phase: 0.3, turn: 1.7 };
         let ramp = Drive::Ramp { from: Trolands(1.0), to: Trolands(9.0) };
         for drive in [sine, ramp, Drive::Held(Trolands(3.0))] {
-            let parts = 0.25 * drive.part(0.0, 0.25).mean().0 + 0.75 * drive.part(0.25, 1.0).mean().0;
+            let parts =
+                0.25 * drive.part(0.0, 0.25).mean().0 + 0.75 * drive.part(0.25, 1.0).mean().0;
             assert!((parts - drive.mean().0).abs() < 1e-14);
         }
     }

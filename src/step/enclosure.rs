@@ -6,10 +6,11 @@
 //! tangent within the range:        below a convex f, above a concave one
 //! ```
 //!
-//! Both are straight lines in p, so the equations p' = chord and p' = tangent have exact solutions, and by the
-//! comparison theorem the truth runs between them. They part with the square of the range: the walls' distance falls
-//! with the third power of the step, as the error itself does. What a step inherits is never amplified, because f' < 0;
-//! it fades by the slope between the solutions. So sums of these bounds hold for a whole run (rounding adds 1e-16 a sub-step).
+//! Both are straight lines in p, so the equations p' = chord and p' = tangent have exact solutions,
+//! and by the comparison theorem the truth runs between them. They part with the square of the
+//! range: the walls' distance falls with the third power of the step, as the error itself does.
+//! What a step inherits is never amplified, because f' < 0; it fades by the slope between the
+//! solutions. So sums of these bounds hold for a whole run (rounding adds 1e-16 a sub-step).
 
 use super::frozen_midpoint;
 use crate::kinetics::{Kinetics, Law, mean_decay};
@@ -23,11 +24,18 @@ pub struct Enclosed {
     pub substeps: u32,
 }
 
-/// Sub-steps beyond which no more are tried; far more than any budget that shows in a picture asks for.
+/// Sub-steps beyond which no more are tried; far more than any budget that shows in a picture asks
+/// for.
 pub const MOST_SUBSTEPS: u32 = 65536;
 
 /// `advance` with a proven bound of its error, for a start that is itself exact.
-pub fn enclosed(kinetics: &Kinetics, p: f64, light: Trolands, dt: Seconds, substeps: u32) -> Enclosed {
+pub fn enclosed(
+    kinetics: &Kinetics,
+    p: f64,
+    light: Trolands,
+    dt: Seconds,
+    substeps: u32,
+) -> Enclosed {
     let substeps = substeps.max(1);
     if kinetics.law == Law::FirstOrder {
         return Enclosed { p: super::advance(kinetics, p, light, dt, 1), error: 0.0, substeps };
@@ -38,14 +46,16 @@ pub fn enclosed(kinetics: &Kinetics, p: f64, light: Trolands, dt: Seconds, subst
         let next = frozen_midpoint(p, part, |p| kinetics.rates(p, light));
         let walls = walls(kinetics, p, light, part);
         let farther = walls.map(|wall| (wall - next).abs());
-        error = kept(kinetics, light, part, error, [p, walls[0], walls[1]]) * error + farther[0].max(farther[1]);
+        error = kept(kinetics, light, part, error, [p, walls[0], walls[1]]) * error
+            + farther[0].max(farther[1]);
         p = next;
     }
     Enclosed { p, error, substeps }
 }
 
-/// The most that a step leaves of an `error` that p had before it. Two solutions approach each other at the slope of
-/// the law somewhere between them; `passed` are the ends of what ours goes through, and slopes are monotone in p.
+/// The most that a step leaves of an `error` that p had before it. Two solutions approach each
+/// other at the slope of the law somewhere between them; `passed` are the ends of what ours goes
+/// through, and slopes are monotone in p.
 fn kept(kinetics: &Kinetics, light: Trolands, dt: Seconds, error: f64, passed: [f64; 3]) -> f64 {
     let lowest = passed.into_iter().fold(1.0, f64::min) - error;
     let highest = passed.into_iter().fold(0.0, f64::max) + error;
@@ -54,7 +64,13 @@ fn kept(kinetics: &Kinetics, light: Trolands, dt: Seconds, error: f64, passed: [
 }
 
 /// [`enclosed`] with as many sub-steps, doubled from one, as keep the error within `budget`.
-pub fn enclosed_within(kinetics: &Kinetics, p: f64, light: Trolands, dt: Seconds, budget: f64) -> Enclosed {
+pub fn enclosed_within(
+    kinetics: &Kinetics,
+    p: f64,
+    light: Trolands,
+    dt: Seconds,
+    budget: f64,
+) -> Enclosed {
     let mut substeps = 1;
     loop {
         let found = enclosed(kinetics, p, light, dt, substeps);
@@ -82,7 +98,8 @@ fn walls(kinetics: &Kinetics, p: f64, light: Trolands, dt: Seconds) -> [f64; 2] 
     if p == goal || f(p) == 0.0 {
         return [p, p];
     }
-    // The far end of the range: by whichever line bounds p on that side, first from the whole way to 0 or 1.
+    // The far end of the range: by whichever line bounds p on that side, first from the whole way
+    // to 0 or 1.
     let convex = matches!(kinetics.law, Law::SelfScreened { .. });
     let bleaching = goal == 0.0;
     let far = if convex == bleaching { tangent(p) } else { chord(goal) };

@@ -1,6 +1,8 @@
-//! Explicit Runge-Kutta methods: p1 = p + h sum b_i k_i, k_i = p'(p + h sum_j<i a_ij k_j, t + c_i h).
+//! Explicit Runge-Kutta methods: p1 = p + h sum b_i k_i, k_i = p'(p + h sum_j<i a_ij k_j, t + c_i
+//! h).
 //!
-//! R(-x) is a polynomial, so every one of them blows up once h lambda passes 2 to 3.3 (Hairer & Wanner 1996, IV.2).
+//! R(-x) is a polynomial, so every one of them blows up once h lambda passes 2 to 3.3 (Hairer &
+//! Wanner 1996, IV.2).
 
 use super::Drive;
 use crate::kinetics::Kinetics;
@@ -45,7 +47,8 @@ pub fn runge_kutta<const S: usize>(
 
 pub(super) const FORWARD_EULER: Explicit<1> = Explicit { a: [[0.0]], b: [1.0], c: [0.0] };
 
-pub(super) const HEUN: Explicit<2> = Explicit { a: [[0.0, 0.0], [1.0, 0.0]], b: [0.5, 0.5], c: [0.0, 1.0] };
+pub(super) const HEUN: Explicit<2> =
+    Explicit { a: [[0.0, 0.0], [1.0, 0.0]], b: [0.5, 0.5], c: [0.0, 1.0] };
 
 pub(super) const RK4: Explicit<4> = Explicit {
     a: [[0.0; 4], [0.5, 0.0, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]],

@@ -4,10 +4,10 @@
 //! p(h) = p + (e^(-h lambda) - 1) (p - rho/lambda),     lambda = rho + beta
 //! ```
 //!
-//! Exact for light and rates that do not change over the step (first order, held light). For the other laws the
-//! rates are frozen at a predicted half step: order 2, equilibria exact, p always within 0..1, because each step is
-//! a convex combination of p and a rest between 0 and 1. Close kin: modified Patankar-Runge-Kutta (Burchard,
-//! Deleersnijder & Meister 2003).
+//! Exact for light and rates that do not change over the step (first order, held light). For the
+//! other laws the rates are frozen at a predicted half step: order 2, equilibria exact, p always
+//! within 0..1, because each step is a convex combination of p and a rest between 0 and 1. Close
+//! kin: modified Patankar-Runge-Kutta (Burchard, Deleersnijder & Meister 2003).
 
 use super::Drive;
 use crate::kinetics::{Kinetics, Law, Rates, mean_decay};
@@ -26,8 +26,8 @@ pub fn frozen_midpoint(p: f64, dt: Seconds, rates: impl Fn(f64) -> Rates) -> f64
     relax(p, rates(halfway), dt)
 }
 
-/// p after `dt` of held light: the solution for the first-order law (whatever `substeps`), frozen-midpoint steps
-/// for the others (0 sub-steps count as 1).
+/// p after `dt` of held light: the solution for the first-order law (whatever `substeps`),
+/// frozen-midpoint steps for the others (0 sub-steps count as 1).
 #[inline]
 pub fn advance(kinetics: &Kinetics, p: f64, light: Trolands, dt: Seconds, substeps: u32) -> f64 {
     if kinetics.law == Law::FirstOrder {
@@ -48,8 +48,9 @@ pub(super) fn exponential_euler(kinetics: &Kinetics, p: f64, drive: Drive, dt: S
     relax(p, kinetics.rates(p, drive.at(0.0)), dt)
 }
 
-/// Two Gauss points and one commutator; the laws that are not linear have their rates frozen at a half step.
-/// Where light rises by more than 12/h the commutator makes the regenerated part negative.
+/// Two Gauss points and one commutator; the laws that are not linear have their rates frozen at a
+/// half step. Where light rises by more than 12/h the commutator makes the regenerated part
+/// negative.
 pub(super) fn magnus_4(kinetics: &Kinetics, p: f64, drive: Drive, dt: Seconds) -> f64 {
     let h = dt.0;
     let halfway = relax(p, kinetics.rates(p, drive.mean()), Seconds(0.5 * h));
@@ -60,8 +61,14 @@ pub(super) fn magnus_4(kinetics: &Kinetics, p: f64, drive: Drive, dt: Seconds) -
     p * (-z).exp() + h * early.regenerate * (1.0 - commutator) * mean_decay(z)
 }
 
-/// Linearise where the step starts, solve the linear equation: Newton's method in disguise, and it overshoots.
-pub(super) fn exponential_rosenbrock(kinetics: &Kinetics, p: f64, drive: Drive, dt: Seconds) -> f64 {
+/// Linearise where the step starts, solve the linear equation: Newton's method in disguise, and it
+/// overshoots.
+pub(super) fn exponential_rosenbrock(
+    kinetics: &Kinetics,
+    p: f64,
+    drive: Drive,
+    dt: Seconds,
+) -> f64 {
     let (h, light) = (dt.0, drive.at(0.0));
     let x = -h * kinetics.slope(p, light);
     let risen = Trolands(light.0 + drive.initial_rise().0);
@@ -72,7 +79,8 @@ pub(super) fn exponential_rosenbrock(kinetics: &Kinetics, p: f64, drive: Drive, 
 /// (1 - (1 - e^-x)/x)/x, phi_2(-x); by its series where the closed form cancels.
 fn mean_rest(x: f64) -> f64 {
     if x < 1e-2 {
-        0.5 - x * (1.0 / 6.0 - x * (1.0 / 24.0 - x * (1.0 / 120.0 - x * (1.0 / 720.0 - x / 5040.0))))
+        0.5 - x
+            * (1.0 / 6.0 - x * (1.0 / 24.0 - x * (1.0 / 120.0 - x * (1.0 / 720.0 - x / 5040.0))))
     } else {
         (1.0 - mean_decay(x)) / x
     }

@@ -1,7 +1,9 @@
-//! Implicit Runge-Kutta methods: the slopes k_i = p'(p + h sum_j a_ij k_j, t + c_i h) solved for together.
+//! Implicit Runge-Kutta methods: the slopes k_i = p'(p + h sum_j a_ij k_j, t + c_i h) solved for
+//! together.
 //!
-//! One Newton step solves a linear law; the others iterate from the slopes of a linear law. R(-x) is rational:
-//! nothing here blows up under held light, but most let R turn negative, and pigment with it (Hairer & Wanner 1996).
+//! One Newton step solves a linear law; the others iterate from the slopes of a linear law. R(-x)
+//! is rational: nothing here blows up under held light, but most let R turn negative, and pigment
+//! with it (Hairer & Wanner 1996).
 
 use super::Drive;
 use crate::kinetics::{Kinetics, Law};
@@ -20,7 +22,13 @@ const MOST_ITERATIONS: usize = 40;
 
 /// One implicit step.
 #[inline(always)]
-pub fn collocate<const S: usize>(tableau: &Implicit<S>, kinetics: &Kinetics, p: f64, drive: Drive, dt: Seconds) -> f64 {
+pub fn collocate<const S: usize>(
+    tableau: &Implicit<S>,
+    kinetics: &Kinetics,
+    p: f64,
+    drive: Drive,
+    dt: Seconds,
+) -> f64 {
     let mut k = newton(tableau, kinetics, p, drive, dt, [0.0; S]);
     if kinetics.law != Law::FirstOrder {
         k = converged(tableau, kinetics, p, drive, dt, k);
@@ -73,7 +81,8 @@ fn newton<const S: usize>(
     std::array::from_fn(|i| k[i] + correction[i])
 }
 
-/// Solve a small linear system by elimination; the pivots of I - h f' A are safe as they stand, because f' <= 0.
+/// Solve a small linear system by elimination; the pivots of I - h f' A are safe as they stand,
+/// because f' <= 0.
 #[inline(always)]
 fn solve<const S: usize>(mut a: [[f64; S]; S], mut b: [f64; S]) -> [f64; S] {
     for column in 0..S {
@@ -92,7 +101,8 @@ fn solve<const S: usize>(mut a: [[f64; S]; S], mut b: [f64; S]) -> [f64; S] {
 
 pub(super) const BACKWARD_EULER: Implicit<1> = Implicit { a: [[1.0]], b: [1.0], c: [1.0] };
 
-pub(super) const TRAPEZOID: Implicit<2> = Implicit { a: [[0.0, 0.0], [0.5, 0.5]], b: [0.5, 0.5], c: [0.0, 1.0] };
+pub(super) const TRAPEZOID: Implicit<2> =
+    Implicit { a: [[0.0, 0.0], [0.5, 0.5]], b: [0.5, 0.5], c: [0.0, 1.0] };
 
 /// Half a trapezoid step to 2 - sqrt 2, then BDF2, as one Runge-Kutta method.
 pub(super) const TR_BDF2: Implicit<3> = Implicit {
@@ -105,15 +115,24 @@ pub(super) const TR_BDF2: Implicit<3> = Implicit {
     c: [0.0, 2.0 - SQRT_2, 1.0],
 };
 
-pub(super) const LOBATTO_IIIC_2: Implicit<2> = Implicit { a: [[0.5, -0.5], [0.5, 0.5]], b: [0.5, 0.5], c: [0.0, 1.0] };
+pub(super) const LOBATTO_IIIC_2: Implicit<2> =
+    Implicit { a: [[0.5, -0.5], [0.5, 0.5]], b: [0.5, 0.5], c: [0.0, 1.0] };
 
 /// sqrt 6, for the nodes of Radau IIA.
 const ROOT_6: f64 = 2.449489742783178;
 
 pub(super) const RADAU_IIA_5: Implicit<3> = Implicit {
     a: [
-        [(88.0 - 7.0 * ROOT_6) / 360.0, (296.0 - 169.0 * ROOT_6) / 1800.0, (-2.0 + 3.0 * ROOT_6) / 225.0],
-        [(296.0 + 169.0 * ROOT_6) / 1800.0, (88.0 + 7.0 * ROOT_6) / 360.0, (-2.0 - 3.0 * ROOT_6) / 225.0],
+        [
+            (88.0 - 7.0 * ROOT_6) / 360.0,
+            (296.0 - 169.0 * ROOT_6) / 1800.0,
+            (-2.0 + 3.0 * ROOT_6) / 225.0,
+        ],
+        [
+            (296.0 + 169.0 * ROOT_6) / 1800.0,
+            (88.0 + 7.0 * ROOT_6) / 360.0,
+            (-2.0 - 3.0 * ROOT_6) / 225.0,
+        ],
         [(16.0 - ROOT_6) / 36.0, (16.0 + ROOT_6) / 36.0, 1.0 / 9.0],
     ],
     b: [(16.0 - ROOT_6) / 36.0, (16.0 + ROOT_6) / 36.0, 1.0 / 9.0],

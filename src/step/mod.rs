@@ -6,9 +6,10 @@
 //! blows up where |R| > 1, rings where R < 0, keeps p within 0..1 where 0 <= R <= 1
 //! ```
 //!
-//! [`exact`](exponential::advance) is the integrator: R = e^-x. Everything else is here to be measured against it
-//! (Hairer & Wanner 1996, IV.3 for R; Hochbruck & Ostermann 2010 for the exponential ones). A method is a pure
-//! function and a row of [`METHODS`]; tests and charts go over the table.
+//! [`exact`](exponential::advance) is the integrator: R = e^-x. Everything else is here to be
+//! measured against it (Hairer & Wanner 1996, IV.3 for R; Hochbruck & Ostermann 2010 for the
+//! exponential ones). A method is a pure function and a row of [`METHODS`]; tests and charts go
+//! over the table.
 
 mod adaptive;
 mod drive;
@@ -40,13 +41,15 @@ pub struct Method {
     pub name: &'static str,
     /// Global order on smooth light.
     pub order: u32,
-    /// R(-x): what remains of the distance from rest after one step of length x = h lambda under held light.
+    /// R(-x): what remains of the distance from rest after one step of length x = h lambda under
+    /// held light.
     pub damping: fn(f64) -> f64,
     /// The x beyond which |R| > 1.
     pub stable_to: f64,
     /// The x up to which p stays within 0..1 under any held light, from any p.
     pub bounded_to: f64,
-    /// Error that the method allows itself per step; 0 for the methods that take one step as it comes.
+    /// Error that the method allows itself per step; 0 for the methods that take one step as it
+    /// comes.
     pub tolerance: f64,
     pub source: &'static str,
     /// p after one step.
@@ -59,15 +62,28 @@ impl Method {
         METHODS.iter().find(|method| method.name == name)
     }
 
-    /// Where a held step taken in `substeps` equal parts passes the limit of this method: h lambda of a part and
-    /// the limit, beyond which p may leave 0..1.
-    pub fn past_limit(&self, kinetics: &Kinetics, light: Trolands, dt: Seconds, substeps: u32) -> Option<PastLimit> {
+    /// Where a held step taken in `substeps` equal parts passes the limit of this method: h lambda
+    /// of a part and the limit, beyond which p may leave 0..1.
+    pub fn past_limit(
+        &self,
+        kinetics: &Kinetics,
+        light: Trolands,
+        dt: Seconds,
+        substeps: u32,
+    ) -> Option<PastLimit> {
         let h_lambda = dt.0 / f64::from(substeps.max(1)) * kinetics.contraction(light)[1];
         (h_lambda > self.bounded_to).then_some(PastLimit { h_lambda, limit: self.bounded_to })
     }
 
     /// p after one step of held light taken in `substeps` equal parts (0 count as 1).
-    pub fn hold(&self, kinetics: &Kinetics, p: f64, light: Trolands, dt: Seconds, substeps: u32) -> f64 {
+    pub fn hold(
+        &self,
+        kinetics: &Kinetics,
+        p: f64,
+        light: Trolands,
+        dt: Seconds,
+        substeps: u32,
+    ) -> f64 {
         let substeps = substeps.max(1);
         let part = Seconds(dt.0 / f64::from(substeps));
         (0..substeps).fold(p, |p, _| (self.step)(kinetics, p, Drive::Held(light), part))
@@ -131,7 +147,12 @@ pub const METHODS: &[Method] = &[
     Method {
         name: "dopri5",
         order: 5,
-        damping: |x| 1.0 - x * (1.0 - x / 2.0 * (1.0 - x / 3.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 5.0))))),
+        damping: |x| {
+            1.0 - x
+                * (1.0
+                    - x / 2.0
+                        * (1.0 - x / 3.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 5.0)))))
+        },
         stable_to: 3.306567892634,
         bounded_to: 3.306567892634,
         tolerance: 0.0,

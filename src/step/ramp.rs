@@ -8,8 +8,8 @@
 //! q = sqrt |d|,  x1 = (Z + d)/(2q),  x0 = (Z - d)/(2q)
 //! ```
 //!
-//! The closed forms lose digits for small Z, where eight Gauss points are exact to rounding: they change over at
-//! Z = 0.7.
+//! The closed forms lose digits for small Z, where eight Gauss points are exact to rounding: they
+//! change over at Z = 0.7.
 
 use super::special::{dawson, erfcx};
 use super::{Drive, relax};
@@ -17,7 +17,8 @@ use crate::kinetics::{Kinetics, mean_decay};
 use crate::units::Seconds;
 use std::f64::consts::PI;
 
-/// Light taken as linear between the ends of the step; the rates of a law that is not linear are frozen half-way.
+/// Light taken as linear between the ends of the step; the rates of a law that is not linear are
+/// frozen half-way.
 pub(super) fn ramp(kinetics: &Kinetics, p: f64, drive: Drive, dt: Seconds) -> f64 {
     let halfway = relax(p, kinetics.rates(p, drive.mean()), Seconds(0.5 * dt.0));
     let [first, last] = [0.0, 1.0].map(|end| kinetics.rates(halfway, drive.at(end)));

@@ -5,8 +5,8 @@
 //! p1 = p + sum m_i u_i,        J = d p'/dp at the start
 //! ```
 //!
-//! Where light comes up inside the step, J was taken in the dark and protects from nothing (Hairer & Wanner 1996,
-//! IV.7; the coefficients are in their form without matrix products).
+//! Where light comes up inside the step, J was taken in the dark and protects from nothing (Hairer
+//! & Wanner 1996, IV.7; the coefficients are in their form without matrix products).
 
 use super::Drive;
 use crate::kinetics::Kinetics;
@@ -75,16 +75,25 @@ pub(super) const RODAS4: Rosenbrock<6> = Rosenbrock {
         [-2.430093356833875, -0.2063599157091915, 0.0, 0.0, 0.0, 0.0],
         [-0.1073529058151375, -9.594562251023355, -20.47028614809616, 0.0, 0.0, 0.0],
         [7.496443313967647, -10.24680431464352, -33.99990352819905, 11.7089089320616, 0.0, 0.0],
-        [8.083246795921522, -7.981132988064893, -31.52159432874371, 16.31930543123136, -6.058818238834054, 0.0],
+        [
+            8.083246795921522,
+            -7.981132988064893,
+            -31.52159432874371,
+            16.31930543123136,
+            -6.058818238834054,
+            0.0,
+        ],
     ],
     alpha: [0.0, 0.386, 0.21, 0.63, 1.0, 1.0],
     gammas: [0.25, -0.1043, 0.1035, -0.0362, 0.0, 0.0],
     m: [1.221224509226641, 6.019134481288629, 12.53708332932087, -0.687886036105895, 1.0, 1.0],
 };
 
-/// R(-x) of Rodas4: (1 + x/4)^6 e^-x up to x^4 by its order; the fifth coefficient follows from the tableau.
+/// R(-x) of Rodas4: (1 + x/4)^6 e^-x up to x^4 by its order; the fifth coefficient follows from the
+/// tableau.
 pub(super) fn rodas4_damping(x: f64) -> f64 {
     const FIFTH: f64 = 0.00215865480625998;
-    let numerator = 1.0 + x * (0.5 + x * (-1.0 / 16.0 + x * (-1.0 / 24.0 + x * (5.0 / 768.0 + x * FIFTH))));
+    let numerator =
+        1.0 + x * (0.5 + x * (-1.0 / 16.0 + x * (-1.0 / 24.0 + x * (5.0 / 768.0 + x * FIFTH))));
     numerator / (1.0 + 0.25 * x).powi(6)
 }

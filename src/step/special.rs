@@ -4,8 +4,8 @@
 //! F(x) = e^(-x^2) int_0^x e^(t^2) dt            erfcx(x) = e^(x^2) erfc(x)            x >= 0
 //! ```
 //!
-//! Both as trapezoidal sums that converge like e^(-(pi/2h)^2): with these steps the sums are exact to rounding
-//! (Rybicki 1989 for F; Hunter & Regan 1972 for erfcx).
+//! Both as trapezoidal sums that converge like e^(-(pi/2h)^2): with these steps the sums are exact
+//! to rounding (Rybicki 1989 for F; Hunter & Regan 1972 for erfcx).
 
 use std::f64::consts::PI;
 
@@ -15,10 +15,17 @@ pub fn dawson(x: f64) -> f64 {
     let odd = |i: i32| f64::from(2 * i + 1);
     let sum: f64 = if x < 1.0 {
         // Terms of opposite n taken together, so that nothing cancels.
-        (0..14).map(|i| 2.0 * (-(odd(i) * H).powi(2) - x * x).exp() * (2.0 * x * odd(i) * H).sinh() / odd(i)).sum()
+        (0..14)
+            .map(|i| {
+                2.0 * (-(odd(i) * H).powi(2) - x * x).exp() * (2.0 * x * odd(i) * H).sinh() / odd(i)
+            })
+            .sum()
     } else {
         let nearest = 2.0 * (0.5 * x / H).floor() + 1.0;
-        (-13..=13).map(|i| nearest + f64::from(2 * i)).map(|n| (-(x - n * H).powi(2)).exp() / n).sum()
+        (-13..=13)
+            .map(|i| nearest + f64::from(2 * i))
+            .map(|n| (-(x - n * H).powi(2)).exp() / n)
+            .sum()
     };
     sum / PI.sqrt()
 }
@@ -29,7 +36,8 @@ pub fn erfcx(x: f64) -> f64 {
     let node = |n: i32| (f64::from(n) + 0.5) * H;
     let sum: f64 = (0..13).map(|n| (-node(n).powi(2)).exp() / (x * x + node(n).powi(2))).sum();
     // The pole at t = ix adds its residue while it lies within the strip that the sum sees.
-    let pole = if x < PI / H { 2.0 * (x * x).exp() / ((2.0 * PI * x / H).exp() + 1.0) } else { 0.0 };
+    let pole =
+        if x < PI / H { 2.0 * (x * x).exp() / ((2.0 * PI * x / H).exp() + 1.0) } else { 0.0 };
     2.0 * x * H / PI * sum + pole
 }
 
@@ -39,7 +47,8 @@ mod tests {
 
     #[test]
     fn dawsons_integral_agrees_with_the_tables() {
-        // Abramowitz & Stegun 1964, table 7.5; 0.9241388730 at its maximum; mpmath for the far ends.
+        // Abramowitz & Stegun 1964, table 7.5; 0.9241388730 at its maximum; mpmath for the far
+        // ends.
         let known = [
             (1e-5, 9.999999999333333e-6),
             (0.5, 0.4244363835020223),

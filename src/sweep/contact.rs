@@ -1,7 +1,7 @@
 //! `contact.png`: the display pictures of all cells on one sheet, durations across, cases down.
 //!
-//! A sheet is as wide as a page of print needs, whatever it holds. One case alone is laid out in several rows of
-//! larger pictures, each with its duration below.
+//! A sheet is as wide as a page of print needs, whatever it holds. One case alone is laid out in
+//! several rows of larger pictures, each with its duration below.
 
 use std::path::Path;
 
@@ -60,7 +60,12 @@ impl Layout {
     fn new(sweep: &Sweep, side: usize, left: &[Left]) -> Self {
         let columns = columns(sweep.cases.len(), sweep.durations.len());
         let rows = sweep.durations.len().div_ceil(columns);
-        let across = left.iter().map(|case| case.done.size[0] * enlarged(case, side)).max().unwrap_or(1).max(120);
+        let across = left
+            .iter()
+            .map(|case| case.done.size[0] * enlarged(case, side))
+            .max()
+            .unwrap_or(1)
+            .max(120);
         let width = columns * across + (columns + 1) * GAP;
         let captions = !sweep.keys.is_empty();
         let line = (width / 44).clamp(26, 60) & !1;
@@ -94,7 +99,11 @@ pub fn write(path: &Path, sweep: &Sweep, left: &[Left]) -> Result<()> {
     let layout = Layout::new(sweep, side, shown);
     let (mut words, mut places, mut y) = (Words(Vec::new()), Vec::new(), GAP);
     if !layout.below {
-        sweep.durations.iter().enumerate().for_each(|(i, &duration)| words.centred(&layout, i, y, duration));
+        sweep
+            .durations
+            .iter()
+            .enumerate()
+            .for_each(|(i, &duration)| words.centred(&layout, i, y, duration));
         y += layout.line;
     }
     for (case, left) in sweep.cases.iter().zip(shown) {
@@ -136,7 +145,8 @@ impl Words {
 
     /// A line from the left edge; what has no room is cut off.
     fn caption(&mut self, layout: &Layout, y: usize, words: &str) {
-        let room = (1.8 * (layout.width - 2 * GAP) as f64 / 2.0 / f64::from(layout.size())) as usize;
+        let room =
+            (1.8 * (layout.width - 2 * GAP) as f64 / 2.0 / f64::from(layout.size())) as usize;
         let cut = if words.chars().count() > room {
             words.chars().take(room.saturating_sub(1)).chain(['…']).collect()
         } else {
@@ -145,7 +155,8 @@ impl Words {
         self.0.push(([GAP as f64, y as f64], cut, false));
     }
 
-    /// A white sheet with these words, 8-bit RGB. Only the lines that hold words are drawn, one below the other.
+    /// A white sheet with these words, 8-bit RGB. Only the lines that hold words are drawn, one
+    /// below the other.
     fn drawn(&self, layout: &Layout, height: usize) -> Result<Vec<u8>, String> {
         let mut lines: Vec<usize> = self.0.iter().map(|word| word.0[1] as usize).collect();
         lines.dedup();
@@ -157,8 +168,8 @@ impl Words {
             let anchor = if *centred { Anchor::Middle } else { Anchor::Start };
             sheet.text(at, words, layout.size(), anchor, BLACK);
         }
-        let drawn =
-            frames::decode_png(&sheet.png()?).filter(|drawn| (drawn.0, drawn.1) == (layout.width, words_height));
+        let drawn = frames::decode_png(&sheet.png()?)
+            .filter(|drawn| (drawn.0, drawn.1) == (layout.width, words_height));
         let (_, _, drawn) = drawn.ok_or("the words of the sheet could not be drawn")?;
         let mut white = vec![255; 3 * layout.width * height];
         let bytes = 3 * layout.width * layout.line;
@@ -170,7 +181,15 @@ impl Words {
 }
 
 /// Puts a cell's picture into its column of the sheet.
-fn paste(sheet: &mut [u8], width: usize, left: &Left, times: usize, across: usize, cell: usize, [x, y]: [usize; 2]) {
+fn paste(
+    sheet: &mut [u8],
+    width: usize,
+    left: &Left,
+    times: usize,
+    across: usize,
+    cell: usize,
+    [x, y]: [usize; 2],
+) {
     let [w, h] = left.done.size;
     let x = x + (across - w * times) / 2;
     let picture = left.pictures.chunks_exact(3 * w).skip(cell * h).take(h);
@@ -186,8 +205,11 @@ fn paste(sheet: &mut [u8], width: usize, left: &Left, times: usize, across: usiz
 /// What sets a case apart: the last words of its keys with their values.
 pub fn caption(keys: &[String], case: &Case) -> String {
     let short = |key: &str| key.rsplit('.').next().unwrap_or(key).to_owned();
-    let pairs: Vec<String> =
-        keys.iter().zip(&case.values).map(|(key, value)| format!("{} = {value}", short(key))).collect();
+    let pairs: Vec<String> = keys
+        .iter()
+        .zip(&case.values)
+        .map(|(key, value)| format!("{} = {value}", short(key)))
+        .collect();
     format!("{}:  {}", case.number, pairs.join(",  "))
 }
 
@@ -198,7 +220,8 @@ pub fn seconds(duration: f64) -> String {
     }
     let digits = (2.0 - duration.log10().floor()).clamp(0.0, 9.0) as usize;
     let text = if duration == 0.0 { "0".into() } else { format!("{duration:.digits$}") };
-    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    let text =
+        if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     format!("{text} s")
 }
 
@@ -209,12 +232,18 @@ mod tests {
     #[test]
     fn durations_read_as_a_person_writes_them() {
         let written = [0.0, 0.3, 1.0, 30.0, 0.031_622_776, 316.227, 1000.0, 1e6, 0.01].map(seconds);
-        assert_eq!(written, ["0 s", "0.3 s", "1 s", "30 s", "0.0316 s", "316 s", "1000 s", "1e6 s", "0.01 s"]);
+        assert_eq!(
+            written,
+            ["0 s", "0.3 s", "1 s", "30 s", "0.0316 s", "316 s", "1000 s", "1e6 s", "0.01 s"]
+        );
     }
 
     #[test]
     fn one_case_is_laid_out_in_even_rows_and_many_in_one_row_each() {
-        assert_eq!([1, 3, 6, 8, 16, 64].map(|durations| columns(1, durations)), [1, 3, 3, 4, 4, 11]);
+        assert_eq!(
+            [1, 3, 6, 8, 16, 64].map(|durations| columns(1, durations)),
+            [1, 3, 3, 4, 4, 11]
+        );
         assert_eq!([1, 6, 12, 13, 64].map(|durations| columns(5, durations)), [1, 6, 12, 7, 11]);
     }
 }

@@ -1,7 +1,8 @@
-//! The eye of one case: what it sees of a frame in full, what of the reduced frame, and what its probes read.
+//! The eye of one case: what it sees of a frame in full, what of the reduced frame, and what its
+//! probes read.
 //!
-//! The probes of a still are followed place by place, in f64: only a moving gaze, a sequence or pictures to be
-//! written need the whole retina.
+//! The probes of a still are followed place by place, in f64: only a moving gaze, a sequence or
+//! pictures to be written need the whole retina.
 
 use ndarray::Array3;
 
@@ -22,7 +23,8 @@ use crate::viewer::{Look, Viewer};
 pub struct Eye {
     gaze: Gaze,
     probes: Vec<Probe>,
-    /// The eye at full size. Without `spread`, its retina is left alone and only its pupil and gaze serve.
+    /// The eye at full size. Without `spread`, its retina is left alone and only its pupil and gaze
+    /// serve.
     whole: Viewer,
     small: Viewer,
     model: Model,
@@ -45,12 +47,20 @@ pub struct Sight {
 }
 
 impl Eye {
-    /// The eye of a case before its first frame. `parts`: the number of steps that share the budget of the law.
-    pub fn new(case: &Case, scene: &Scene, first: &Lit, pictures: bool, parts: usize) -> Result<Eye> {
+    /// The eye of a case before its first frame. `parts`: the number of steps that share the budget
+    /// of the law.
+    pub fn new(
+        case: &Case,
+        scene: &Scene,
+        first: &Lit,
+        pictures: bool,
+        parts: usize,
+    ) -> Result<Eye> {
         let config = &case.config;
         let gaze = Gaze::of(config)?;
         let still = scene.footage.len() == 1 && !matches!(gaze, Gaze::Path(_));
-        let (spread, [width, height]) = (pictures || !still, [first.planes.width, first.planes.height]);
+        let (spread, [width, height]) =
+            (pictures || !still, [first.planes.width, first.planes.height]);
         let model = shared(config.model()?, parts);
         let start = match config.settings.observer.start.as_str() {
             "rested" | "adapted" => None,
@@ -82,9 +92,13 @@ impl Eye {
     fn starts(&self, config: &Config, first: &Lit, start: Option<&Retina>) -> Vec<[f64; 3]> {
         if config.settings.observer.start == "adapted" {
             let pupil = self.whole.pupil.clone().follow(self.adapting(first, 0.0), Seconds(0.0));
-            return self.pixels(first, 0.0).map(|pixel| self.steady(first, 0.0, pupil, pixel)).collect();
+            return self
+                .pixels(first, 0.0)
+                .map(|pixel| self.steady(first, 0.0, pupil, pixel))
+                .collect();
         }
-        let at = |[x, y]: [usize; 2]| start.map_or([1.0; 3], |retina| retina.at([x as i64, y as i64]));
+        let at =
+            |[x, y]: [usize; 2]| start.map_or([1.0; 3], |retina| retina.at([x as i64, y as i64]));
         self.pixels(first, 0.0).map(at).collect()
     }
 
@@ -101,19 +115,33 @@ impl Eye {
         let model = if span.length() == Seconds(0.0) { Model::Unbleached } else { self.model };
         let (look, small, pupil) = self.look(lit, span, model);
         let pixels: Vec<[usize; 2]> = self.pixels(lit, span.aim).collect();
-        let (readings, gaze) = (self.readings(lit, span, model, pupil, &pixels), self.aim(lit, span.aim));
+        let (readings, gaze) =
+            (self.readings(lit, span, model, pupil, &pixels), self.aim(lit, span.aim));
         let readings = readings.or_else(|| {
             let look = look.as_ref()?;
-            Some(self.probes.iter().map(|probe| probe.read(&self.whole, &lit.planes, look, gaze)).collect())
+            Some(
+                self.probes
+                    .iter()
+                    .map(|probe| probe.read(&self.whole, &lit.planes, look, gaze))
+                    .collect(),
+            )
         });
         let forever = |(probe, &pixel): (&Probe, &[usize; 2])| {
-            self.reading(lit, span.aim, pupil, probe, pixel, self.steady(lit, span.aim, pupil, pixel))
+            self.reading(
+                lit,
+                span.aim,
+                pupil,
+                probe,
+                pixel,
+                self.steady(lit, span.aim, pupil, pixel),
+            )
         };
         let steady = self.probes.iter().zip(&pixels).map(forever).collect();
         let readings = readings.unwrap_or_default();
         let censuses = look.iter().chain([&small]).map(|look| look.census.greatest);
         let light = censuses.chain(readings.iter().map(|reading| reading.illuminance));
-        let greatest = light.fold([0.0; 3], |most: [f64; 3], light| [0, 1, 2].map(|k| most[k].max(light[k])));
+        let greatest =
+            light.fold([0.0; 3], |most: [f64; 3], light| [0, 1, 2].map(|k| most[k].max(light[k])));
         let past_limit = model.past_limit(&self.whole.pigments, greatest, span.length());
         let past_limit = past_limit.map(|problem| format!("{} s: {problem}", span.end));
         Sight { seen: look.map(|look| look.seen), small: small.seen, readings, steady, past_limit }
@@ -123,7 +151,9 @@ impl Eye {
     fn look(&mut self, lit: &Lit, span: &Span, model: Model) -> (Option<Look>, Look, Millimetres) {
         let gaze = self.aim(lit, span.aim);
         (self.whole.model, self.small.model) = (model, model);
-        let look = self.spread.then(|| self.whole.look(&lit.planes, &lit.survey, gaze, span.length(), None));
+        let look = self
+            .spread
+            .then(|| self.whole.look(&lit.planes, &lit.survey, gaze, span.length(), None));
         let pupil = match &look {
             Some(look) => look.pupil,
             None => {
@@ -131,8 +161,10 @@ impl Eye {
                 self.whole.pupil.follow(adapting, span.length())
             }
         };
-        let scale =
-            [lit.small.width as f64 / lit.planes.width as f64, lit.small.height as f64 / lit.planes.height as f64];
+        let scale = [
+            lit.small.width as f64 / lit.planes.width as f64,
+            lit.small.height as f64 / lit.planes.height as f64,
+        ];
         let small_gaze = [0, 1].map(|i| (gaze[i] + 0.5) * scale[i] - 0.5);
         self.small.pupil = Pupil::new(Rule::Fixed(pupil), Dynamics::default());
         let small = self.small.look(&lit.small, &lit.survey, small_gaze, span.length(), None);
@@ -155,13 +187,22 @@ impl Eye {
             *p = [0, 1, 2].map(|k| advance.place(model, &self.whole.pigments[k], p[k], light[k]));
         }
         let probes = self.probes.iter().zip(pixels).zip(&places);
-        let readings = probes.map(|((probe, &pixel), &p)| self.reading(lit, span.aim, pupil, probe, pixel, p));
+        let readings =
+            probes.map(|((probe, &pixel), &p)| self.reading(lit, span.aim, pupil, probe, pixel, p));
         let readings = Some(readings.collect());
         self.places = Some(places);
         readings
     }
 
-    fn reading(&self, lit: &Lit, time: f64, pupil: Millimetres, probe: &Probe, at: [usize; 2], p: [f64; 3]) -> Reading {
+    fn reading(
+        &self,
+        lit: &Lit,
+        time: f64,
+        pupil: Millimetres,
+        probe: &Probe,
+        at: [usize; 2],
+        p: [f64; 3],
+    ) -> Reading {
         let vision = &self.whole.vision;
         let moments = vision.moments(&lit.planes, at[0], at[1]);
         Reading {
@@ -186,7 +227,12 @@ impl Eye {
     }
 
     fn aim(&self, lit: &Lit, time: f64) -> [f64; 2] {
-        self.gaze.pixel(time, &lit.survey, [lit.planes.width, lit.planes.height], self.whole.first_gaze)
+        self.gaze.pixel(
+            time,
+            &lit.survey,
+            [lit.planes.width, lit.planes.height],
+            self.whole.first_gaze,
+        )
     }
 
     fn pixels(&self, lit: &Lit, time: f64) -> impl Iterator<Item = [usize; 2]> {
@@ -196,7 +242,13 @@ impl Eye {
 }
 
 fn viewer(config: &Config, scene: &Scene, retina: Retina, pixels_per_degree: f64) -> Viewer {
-    let mut viewer = Viewer::new(scene.vision.clone(), config.pigments(), Model::Unbleached, retina, pixels_per_degree);
+    let mut viewer = Viewer::new(
+        scene.vision.clone(),
+        config.pigments(),
+        Model::Unbleached,
+        retina,
+        pixels_per_degree,
+    );
     viewer.surround = Nits(config.settings.gaze.surround_cd_m2);
     viewer
 }
@@ -215,7 +267,8 @@ fn shared(model: Model, parts: usize) -> Model {
 fn smaller(retina: &Retina, small: &Planes) -> Retina {
     let [width, height] = retina.size();
     let samples = Samples::Float(retina.fractions().iter().map(|&p| p as f32).collect());
-    let means = reduced::reduced(&Planes { width, height, count: 3, samples }, [small.width, small.height]);
+    let means =
+        reduced::reduced(&Planes { width, height, count: 3, samples }, [small.width, small.height]);
     let p = Array3::from_shape_fn((small.height, 3, small.width), |(y, k, x)| means.at(x, y, k));
     Retina::from_fractions(p, [1.0; 3])
 }

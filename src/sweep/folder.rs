@@ -1,8 +1,9 @@
 //! The sweep's folder: `sweep.json` says which sweep it is, `case.0000` what one case left.
 //!
-//! A case is finished when its `case.json` is there, which is written last and names the sweep and the case's rows by
-//! digests. So any number of processes may work in one folder, stop at any moment and begin again: finished cases
-//! are kept, and a half-done one is done anew. Half-written files never appear (see [`atomic`]).
+//! A case is finished when its `case.json` is there, which is written last and names the sweep and
+//! the case's rows by digests. So any number of processes may work in one folder, stop at any
+//! moment and begin again: finished cases are kept, and a half-done one is done anew. Half-written
+//! files never appear (see [`atomic`]).
 
 use std::path::{Path, PathBuf};
 
@@ -55,7 +56,9 @@ pub struct Steady {
 }
 
 /// Numbers as JSON holds them, which writes those that are not finite as null.
-fn numbers<'de, D: Deserializer<'de>, const N: usize>(from: D) -> std::result::Result<[f64; N], D::Error>
+fn numbers<'de, D: Deserializer<'de>, const N: usize>(
+    from: D,
+) -> std::result::Result<[f64; N], D::Error>
 where
     [Option<f64>; N]: Deserialize<'de>,
 {
@@ -72,8 +75,8 @@ pub struct Left {
 }
 
 impl Folder {
-    /// Makes a folder ready: empty, or holding the same sweep. With [`Existing::Overwrite`], what an earlier sweep
-    /// left is removed: all of it, or one case.
+    /// Makes a folder ready: empty, or holding the same sweep. With [`Existing::Overwrite`], what
+    /// an earlier sweep left is removed: all of it, or one case.
     pub fn prepare(
         path: &Path,
         existing: Existing,
@@ -103,7 +106,9 @@ impl Folder {
             let earlier = serde_json::from_str(&text).unwrap_or(Value::Null);
             return run::same(&self.path, &earlier, settings);
         }
-        let foreign = names(&self.path)?.into_iter().find(|name| !is_ours(name) && case_number(name).is_none());
+        let foreign = names(&self.path)?
+            .into_iter()
+            .find(|name| !is_ours(name) && case_number(name).is_none());
         foreign.map_or(Ok(()), |name| {
             let problem =
                 format!("holds {name:?} and no sweep: give another folder, or --overwrite to use it all the same");
@@ -134,7 +139,8 @@ impl Folder {
 
     fn done(&self, number: usize) -> Option<Done> {
         let text = std::fs::read_to_string(self.case(number).join("case.json")).ok()?;
-        let done: Done = serde_json::from_str(&text).ok().filter(|done: &Done| done.digest == self.digest)?;
+        let done: Done =
+            serde_json::from_str(&text).ok().filter(|done: &Done| done.digest == self.digest)?;
         let rows = std::fs::read(self.case(number).join("cells.csv")).ok()?;
         (run::digest(&rows) == done.rows).then_some(done)
     }
@@ -150,26 +156,37 @@ impl Folder {
     /// Removes what processes that were stopped in the middle of a file left beside it.
     pub fn tidy(&self) -> Result<()> {
         let names = names(&self.path)?;
-        names.iter().filter(|name| is_temporary(name)).try_for_each(|name| remove(&self.path.join(name)))
+        names
+            .iter()
+            .filter(|name| is_temporary(name))
+            .try_for_each(|name| remove(&self.path.join(name)))
     }
 
     /// Leaves what a case is known by; from then on it is finished.
     pub fn finish(&self, number: usize, left: &Left) -> Result<()> {
         let (path, width) = (self.case(number), left.done.size[0]);
         atomic::write_text(&path.join("cells.csv"), &left.rows)?;
-        frames::write_png(&path.join("cells.png"), width, left.pictures.len() / (3 * width), &left.pictures)?;
+        frames::write_png(
+            &path.join("cells.png"),
+            width,
+            left.pictures.len() / (3 * width),
+            &left.pictures,
+        )?;
         atomic::write_text(&path.join("case.json"), &format!("{}\n", json!(left.done)))
     }
 
     /// What a finished case left.
     pub fn left(&self, number: usize) -> Result<Left> {
         let path = self.case(number);
-        let damaged =
-            |name: &str| Error::file(path.join(name), "is damaged: remove the case's folder and run it again");
+        let damaged = |name: &str| {
+            Error::file(path.join(name), "is damaged: remove the case's folder and run it again")
+        };
         let done = self.done(number).ok_or_else(|| damaged("case.json"))?;
-        let read = |name: &str| std::fs::read(path.join(name)).map_err(Error::io(path.join(name), "read"));
+        let read =
+            |name: &str| std::fs::read(path.join(name)).map_err(Error::io(path.join(name), "read"));
         let rows = String::from_utf8(read("cells.csv")?).map_err(|_| damaged("cells.csv"))?;
-        let (width, height, pictures) = frames::decode_png(&read("cells.png")?).ok_or_else(|| damaged("cells.png"))?;
+        let (width, height, pictures) =
+            frames::decode_png(&read("cells.png")?).ok_or_else(|| damaged("cells.png"))?;
         if width != done.size[0] || height % done.size[1].max(1) != 0 {
             return Err(damaged("cells.png"));
         }
@@ -181,8 +198,10 @@ impl Folder {
 fn settings(config: &Config, sweep: &Sweep) -> Value {
     let mut settings = run::resolved(&config.settings);
     let lists = config.settings.sweep.iter().flat_map(|keys| &keys.vary);
-    let vary: Vec<String> = lists.map(|vary| format!("{} = {}", vary.key, toml_list(&vary.values))).collect();
-    settings["sweep"] = json!({ "durations_s": sweep.durations, "pictures": sweep.pictures, "vary": vary });
+    let vary: Vec<String> =
+        lists.map(|vary| format!("{} = {}", vary.key, toml_list(&vary.values))).collect();
+    settings["sweep"] =
+        json!({ "durations_s": sweep.durations, "pictures": sweep.pictures, "vary": vary });
     settings["version"] = env!("CARGO_PKG_VERSION").into();
     serde_json::from_str(&settings.to_string()).unwrap_or(settings)
 }
@@ -195,7 +214,9 @@ fn toml_list(values: &[impl std::fmt::Display]) -> String {
 fn names(folder: &Path) -> Result<Vec<String>> {
     let entries = std::fs::read_dir(folder).map_err(Error::io(folder, "read"))?;
     entries
-        .map(|entry| Ok(entry.map_err(Error::io(folder, "read"))?.file_name().to_string_lossy().into_owned()))
+        .map(|entry| {
+            Ok(entry.map_err(Error::io(folder, "read"))?.file_name().to_string_lossy().into_owned())
+        })
         .collect()
 }
 
@@ -207,7 +228,10 @@ fn case_number(name: &str) -> Option<usize> {
 fn is_ours(name: &str) -> bool {
     let fixed = [SETTINGS, TABLE, CONTACT, PLOT, "cells.csv", "cells.png", "case.json"];
     let begins = |head: &str, tail: &str| name.starts_with(head) && name.ends_with(tail);
-    fixed.contains(&name) || begins("seen.", ".exr") || begins("display.", ".png") || is_temporary(name)
+    fixed.contains(&name)
+        || begins("seen.", ".exr")
+        || begins("display.", ".png")
+        || is_temporary(name)
 }
 
 fn is_temporary(name: &str) -> bool {
@@ -219,7 +243,10 @@ fn clear(case: &Path) -> Result<()> {
     if !case.is_dir() {
         return Ok(());
     }
-    names(case)?.iter().filter(|name| is_ours(name)).try_for_each(|name| remove(&case.join(name)))?;
+    names(case)?
+        .iter()
+        .filter(|name| is_ours(name))
+        .try_for_each(|name| remove(&case.join(name)))?;
     // A folder that is not empty now holds something of the user's.
     let _ = std::fs::remove_dir(case);
     Ok(())
@@ -227,7 +254,9 @@ fn clear(case: &Path) -> Result<()> {
 
 fn remove(path: &Path) -> Result<()> {
     match std::fs::remove_file(path) {
-        Err(refused) if refused.kind() != std::io::ErrorKind::NotFound => Err(Error::io(path, "remove")(refused)),
+        Err(refused) if refused.kind() != std::io::ErrorKind::NotFound => {
+            Err(Error::io(path, "remove")(refused))
+        }
         _ => Ok(()),
     }
 }

@@ -1,8 +1,9 @@
 //! A sweep: exposure durations times any lists of values, into a table, a contact sheet and a plot.
 //!
-//! All durations of a case share one pass through time, and all cases that see the same still share its light. What
-//! a case leaves lies in its own folder; the sheet, the table and the plot are always made from those folders. So
-//! the same files come out whether one process ran all cases, or many ran one each, or one was killed half-way.
+//! All durations of a case share one pass through time, and all cases that see the same still share
+//! its light. What a case leaves lies in its own folder; the sheet, the table and the plot are
+//! always made from those folders. So the same files come out whether one process ran all cases, or
+//! many ran one each, or one was killed half-way.
 
 mod contact;
 mod eye;
@@ -61,7 +62,13 @@ pub struct Outcome {
 }
 
 /// Runs a sweep, or a part of it, into a folder.
-pub fn sweep(config: &Config, path: &Path, existing: Existing, part: Part, watch: &dyn Watch) -> Result<Outcome> {
+pub fn sweep(
+    config: &Config,
+    path: &Path,
+    existing: Existing,
+    part: Part,
+    watch: &dyn Watch,
+) -> Result<Outcome> {
     let sweep = config.sweep()?;
     let asked = asked(&sweep, part)?;
     let opened = asked.iter().map(|case| Opened::new(case, &sweep)).collect::<Result<Vec<_>>>()?;
@@ -70,14 +77,24 @@ pub fn sweep(config: &Config, path: &Path, existing: Existing, part: Part, watch
     let (kept, pending): (Vec<_>, Vec<_>) =
         opened.into_iter().partition(|opened| folder.is_finished(opened.case.number));
     warn_of_display(&sweep, watch);
-    let cells = Cells { sweep: &sweep, folder: &folder, watch, side: contact::side(&sweep), done: AtomicUsize::new(0) };
+    let cells = Cells {
+        sweep: &sweep,
+        folder: &folder,
+        watch,
+        side: contact::side(&sweep),
+        done: AtomicUsize::new(0),
+    };
     cells.run(&pending)?;
-    let numbers = if let Part::Index(number) = part { number..number + 1 } else { 0..sweep.cases.len() };
+    let numbers =
+        if let Part::Index(number) = part { number..number + 1 } else { 0..sweep.cases.len() };
     let left = finished_cases(&folder, numbers)?;
-    let table = if let Part::Index(_) = part { None } else { Some(gather(&sweep, &folder, &left)?) };
+    let table =
+        if let Part::Index(_) = part { None } else { Some(gather(&sweep, &folder, &left)?) };
     let bad_frames: usize = left.iter().map(|case| case.done.bad_frames).sum();
     if bad_frames > 0 {
-        watch.warn(&format!("{bad_frames} bad frames were mended or held, counting those of every case"));
+        watch.warn(&format!(
+            "{bad_frames} bad frames were mended or held, counting those of every case"
+        ));
     }
     if let Some(past_limit) = left.iter().find_map(|case| case.done.past_limit.as_ref()) {
         watch.warn(past_limit);
@@ -92,16 +109,23 @@ fn asked(sweep: &Sweep, part: Part) -> Result<Vec<&Case>> {
         Part::Merge => Ok(Vec::new()),
         Part::Index(number) => sweep.cases.get(number).map(|case| vec![case]).ok_or_else(|| {
             let last = sweep.cases.len() - 1;
-            Error::config("--index", number.to_string(), format!("the sweep has the cases 0 to {last}"))
+            Error::config(
+                "--index",
+                number.to_string(),
+                format!("the sweep has the cases 0 to {last}"),
+            )
         }),
     }
 }
 
 /// All cells share one display map, the first case's.
 fn warn_of_display(sweep: &Sweep, watch: &dyn Watch) {
-    let of_map = ["tone", "ceiling", "exposure_ev", "white_cd_m2", "smoothing_s"].map(|key| format!("display.{key}"));
+    let of_map = ["tone", "ceiling", "exposure_ev", "white_cd_m2", "smoothing_s"]
+        .map(|key| format!("display.{key}"));
     for key in sweep.keys.iter().filter(|key| of_map.contains(key)) {
-        watch.warn(&format!("{key} is varied without effect: all cells share the display map of the first case"));
+        watch.warn(&format!(
+            "{key} is varied without effect: all cells share the display map of the first case"
+        ));
     }
 }
 
@@ -142,13 +166,14 @@ struct Cells<'a> {
 }
 
 impl Cells<'_> {
-    /// Runs cases: those that see one light together, one light after the other. Cases that need only little
-    /// memory beside their light run side by side.
+    /// Runs cases: those that see one light together, one light after the other. Cases that need
+    /// only little memory beside their light run side by side.
     fn run(&self, pending: &[Opened]) -> Result<()> {
         if pending.is_empty() {
             return Ok(());
         }
-        let notes: BTreeSet<&String> = pending.iter().flat_map(|opened| &opened.scene.footage.header().notes).collect();
+        let notes: BTreeSet<&String> =
+            pending.iter().flat_map(|opened| &opened.scene.footage.header().notes).collect();
         notes.into_iter().for_each(|note| self.watch.warn(note));
         let first = Opened::new(&self.sweep.cases[0], self.sweep)?;
         let mut held = (light::key(&first.case.config, &first.scene), self.lit(&first)?);
@@ -174,13 +199,21 @@ impl Cells<'_> {
     }
 
     /// One pass of one case.
-    fn case(&self, opened: &Opened, first: &Arc<Lit>, map: &Arc<ToneMap>, cells: usize) -> Result<()> {
+    fn case(
+        &self,
+        opened: &Opened,
+        first: &Arc<Lit>,
+        map: &Arc<ToneMap>,
+        cells: usize,
+    ) -> Result<()> {
         let Opened { case, scene, spans } = opened;
         let path = self.folder.begin(case.number)?;
-        let writer = run::writer(&case.config, scene, &run::resolved(&case.config.settings), &path)?;
+        let writer =
+            run::writer(&case.config, scene, &run::resolved(&case.config.settings), &path)?;
         let mut eye = Eye::new(case, scene, first, self.sweep.pictures, spans.len())?;
         let (mut file, mut light) = (opened.first_file(), first.clone());
-        let (mut rows, mut pictures, mut steady) = (table::header(&self.sweep.keys), Vec::new(), Vec::new());
+        let (mut rows, mut pictures, mut steady) =
+            (table::header(&self.sweep.keys), Vec::new(), Vec::new());
         let (mut bad_frames, mut past_limit) = (scene.held.len() + usize::from(first.mended), None);
         for span in spans {
             if self.watch.interrupted() {
@@ -193,7 +226,12 @@ impl Cells<'_> {
             let sight = eye.watch(&light, span);
             past_limit = past_limit.or(sight.past_limit);
             let Some(cell) = span.cell else { continue };
-            rows += &table::rows(case.number, self.sweep.durations[cell], &case.values, &sight.readings);
+            rows += &table::rows(
+                case.number,
+                self.sweep.durations[cell],
+                &case.values,
+                &sight.readings,
+            );
             pictures.extend(writer.picture(&sight.small, map));
             steady = sight.steady;
             if let Some(seen) = sight.seen.filter(|_| self.sweep.pictures) {
@@ -201,9 +239,10 @@ impl Cells<'_> {
             }
             self.watch.frames(self.done.fetch_add(1, Ordering::Relaxed) + 1, cells);
         }
-        let steady = steady
-            .iter()
-            .map(|reading| Steady { bleached: reading.p.map(|p| 1.0 - p), chromaticity: chromaticity(reading.xyz) });
+        let steady = steady.iter().map(|reading| Steady {
+            bleached: reading.p.map(|p| 1.0 - p),
+            chromaticity: chromaticity(reading.xyz),
+        });
         let size = [first.small.width, first.small.height];
         let done = Done {
             digest: self.folder.digest.clone(),
@@ -245,11 +284,18 @@ fn groups<'a, 'b>(opened: &'b [Opened<'a>]) -> Vec<(Key, Vec<&'b Opened<'a>>)> {
 
 /// What cases left; all of them must be finished.
 fn finished_cases(folder: &Folder, numbers: Range<usize>) -> Result<Vec<Left>> {
-    let missing: Vec<String> =
-        numbers.clone().filter(|&number| !folder.is_finished(number)).map(|number| number.to_string()).collect();
+    let missing: Vec<String> = numbers
+        .clone()
+        .filter(|&number| !folder.is_finished(number))
+        .map(|number| number.to_string())
+        .collect();
     if !missing.is_empty() {
         let (count, first) = (missing.len(), &missing[..missing.len().min(10)]);
-        let problem = format!("{count} of {} cases are not finished: run --index {}", numbers.len(), first.join(", "));
+        let problem = format!(
+            "{count} of {} cases are not finished: run --index {}",
+            numbers.len(),
+            first.join(", ")
+        );
         return Err(Error::file(&folder.path, problem));
     }
     numbers.map(|number| folder.left(number)).collect()

@@ -25,11 +25,13 @@ impl Span {
     }
 }
 
-/// Two times nearer than this share of them are one: a duration that is a frame's end looks at that frame.
+/// Two times nearer than this share of them are one: a duration that is a frame's end looks at that
+/// frame.
 const SAME: f64 = 1e-9;
 
-/// The spans of a case. A still is held from each duration to the next, after the frames of `[time]` if that says
-/// anything or a gaze moves over it; a sequence in its frames, up to the last duration.
+/// The spans of a case. A still is held from each duration to the next, after the frames of
+/// `[time]` if that says anything or a gaze moves over it; a sequence in its frames, up to the last
+/// duration.
 pub fn spans(config: &Config, scene: &Scene, durations: &[f64]) -> Result<Vec<Span>> {
     let last = durations.last().copied().unwrap_or(0.0);
     let mut steps = scene.steps.clone();
@@ -52,7 +54,12 @@ fn hold(steps: &mut Vec<Step>, durations: &[f64]) {
     for &duration in durations {
         let start = steps.last().map_or(0.0, Step::end);
         if duration > start * (1.0 + SAME) {
-            steps.push(Step { number: steps.len() as u32 + 1, file: 0, start, duration: duration - start });
+            steps.push(Step {
+                number: steps.len() as u32 + 1,
+                file: 0,
+                start,
+                duration: duration - start,
+            });
         }
     }
 }
@@ -86,7 +93,12 @@ mod tests {
     use super::*;
 
     fn frames(count: u32, each: f64) -> Vec<Step> {
-        let step = |i: u32| Step { number: i + 1, file: i as usize, start: f64::from(i) * each, duration: each };
+        let step = |i: u32| Step {
+            number: i + 1,
+            file: i as usize,
+            start: f64::from(i) * each,
+            duration: each,
+        };
         (0..count).map(step).collect()
     }
 

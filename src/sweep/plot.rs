@@ -1,5 +1,5 @@
-//! `sweep.svg`: bleached fraction and chromaticity of every probe against duration, a row of two panels for each
-//! case. Dashed: the steady state under the same light.
+//! `sweep.svg`: bleached fraction and chromaticity of every probe against duration, a row of two
+//! panels for each case. Dashed: the steady state under the same light.
 
 use std::path::Path;
 
@@ -40,7 +40,9 @@ const CURVES: [(&str, Ink, Marker); 5] = [
 pub fn write(path: &Path, sweep: &Sweep, left: &[Left]) -> Result<()> {
     let shown = sweep.cases.iter().zip(left).take(MOST_CASES);
     let courses: Vec<Course> = shown
-        .flat_map(|(case, left)| courses(&contact::caption(&sweep.keys, case), sweep.keys.is_empty(), left))
+        .flat_map(|(case, left)| {
+            courses(&contact::caption(&sweep.keys, case), sweep.keys.is_empty(), left)
+        })
         .collect();
     let mut sheet = Sheet::new(WIDTH, HEAD + PITCH * courses.len() as f64);
     legend(&mut sheet);
@@ -60,15 +62,21 @@ fn courses(caption: &str, alone: bool, left: &Left) -> Vec<Course> {
         let title = if alone { name.to_owned() } else { format!("{caption},  {name}") };
         let [l, m, s] = steady.bleached;
         let [x, y] = steady.chromaticity;
-        Course { title, points: of_probe().map(|row| (row.1, row.2)).collect(), steady: [l, m, s, x, y] }
+        Course {
+            title,
+            points: of_probe().map(|row| (row.1, row.2)).collect(),
+            steady: [l, m, s, x, y],
+        }
     };
     left.done.steady.iter().enumerate().map(course).collect()
 }
 
-/// Probe, duration and curves of a row of the table: case, duration, ..., probe, then eleven numbers.
+/// Probe, duration and curves of a row of the table: case, duration, ..., probe, then eleven
+/// numbers.
 fn row(line: &str) -> Option<(String, f64, [f64; 5])> {
     let mut fields = line.rsplitn(12, ',');
-    let numbers: Vec<f64> = fields.by_ref().take(11).map_while(|field| field.parse().ok()).collect();
+    let numbers: Vec<f64> =
+        fields.by_ref().take(11).map_while(|field| field.parse().ok()).collect();
     let &[y, x, _, _, _, s, m, l, ..] = &numbers[..] else { return None };
     let head = fields.next()?;
     let duration = head.split(',').nth(1)?.parse().ok()?;
@@ -107,7 +115,8 @@ fn draw(sheet: &mut Sheet, course: &Course, sweep: &Sweep, top: f64) {
         for curve in curves.clone() {
             draw_curve(sheet, &panel, course, curve);
         }
-        let values = course.points.iter().flat_map(|(_, values)| values[curves.clone()].iter().copied());
+        let values =
+            course.points.iter().flat_map(|(_, values)| values[curves.clone()].iter().copied());
         note_breaks(sheet, &panel, values);
     }
 }
@@ -132,17 +141,29 @@ fn time_axis(durations: &[f64]) -> Axis<'static> {
     let least = durations.iter().copied().find(|&d| d > 0.0).unwrap_or(1.0).log10();
     let last = durations.last().copied().filter(|&d| d > 0.0).unwrap_or(1.0).log10();
     let begins_at_zero = durations.first() == Some(&0.0);
-    let from =
-        if begins_at_zero { (least - 1e-9).floor() - f64::from(least.fract() == 0.0) } else { (least + 1e-9).floor() };
+    let from = if begins_at_zero {
+        (least - 1e-9).floor() - f64::from(least.fract() == 0.0)
+    } else {
+        (least + 1e-9).floor()
+    };
     let to = (last - 1e-9).ceil().max(from + 1.0);
     let label = if begins_at_zero { "duration (s), left edge: the start" } else { "duration (s)" };
-    Axis { from: 10f64.powf(from), to: 10f64.powf(to), logarithmic: true, every: ((to - from) / 8.0).ceil(), label }
+    Axis {
+        from: 10f64.powf(from),
+        to: 10f64.powf(to),
+        logarithmic: true,
+        every: ((to - from) / 8.0).ceil(),
+        label,
+    }
 }
 
-/// Steps that hold the chromaticities of a course; colours far outside the lights that exist leave the panel.
+/// Steps that hold the chromaticities of a course; colours far outside the lights that exist leave
+/// the panel.
 fn limits(course: &Course) -> [f64; 2] {
     let seen = course.points.iter().flat_map(|point| &point.1[3..]).chain(&course.steady[3..]);
-    let (low, high) = seen.filter(|v| v.is_finite()).fold((0.2, 0.6), |(a, b): (f64, f64), &v| (a.min(v), b.max(v)));
+    let (low, high) = seen
+        .filter(|v| v.is_finite())
+        .fold((0.2, 0.6), |(a, b): (f64, f64), &v| (a.min(v), b.max(v)));
     let step = if high.min(1.2) - low.max(-0.4) > 1.0 { 0.4 } else { 0.2 };
     [(low.max(-0.4) / step).floor() * step, (high.min(1.2) / step).ceil() * step]
 }

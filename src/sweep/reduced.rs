@@ -1,7 +1,8 @@
 //! A smaller picture of the same light: each of its pixels is the mean of the area that it covers.
 //!
-//! The contact sheet shows what the eye makes of this light. Pigment is not linear, so the mean of many percepts is
-//! not quite the percept of the mean light; but light is what an eye's optics average, too, before any pigment.
+//! The contact sheet shows what the eye makes of this light. Pigment is not linear, so the mean of
+//! many percepts is not quite the percept of the mean light; but light is what an eye's optics
+//! average, too, before any pigment.
 
 use rayon::prelude::*;
 
@@ -17,19 +18,23 @@ pub fn size([width, height]: [usize; 2], side: usize) -> [usize; 2] {
 pub fn reduced(planes: &Planes, [width, height]: [usize; 2]) -> Planes {
     let (columns, rows) = (Shares::new(planes.width, width), Shares::new(planes.height, height));
     let mut means = vec![0.0; width * height * planes.count];
-    let scratch = || (vec![0.0; planes.width * planes.count], vec![0.0; planes.width * planes.count]);
-    means.par_chunks_exact_mut(width * planes.count).enumerate().for_each_init(scratch, |(sum, light), (y, out)| {
-        sum.fill(0.0);
-        for (row, share) in rows.of(y) {
-            let row = planes.row(row);
-            sum.iter_mut().zip(row.as_f32(light)).for_each(|(sum, v)| *sum += share * v);
-        }
-        for (out, sum) in out.chunks_exact_mut(width).zip(sum.chunks_exact(planes.width)) {
-            for (x, out) in out.iter_mut().enumerate() {
-                *out = columns.of(x).map(|(column, share)| share * sum[column]).sum();
+    let scratch =
+        || (vec![0.0; planes.width * planes.count], vec![0.0; planes.width * planes.count]);
+    means.par_chunks_exact_mut(width * planes.count).enumerate().for_each_init(
+        scratch,
+        |(sum, light), (y, out)| {
+            sum.fill(0.0);
+            for (row, share) in rows.of(y) {
+                let row = planes.row(row);
+                sum.iter_mut().zip(row.as_f32(light)).for_each(|(sum, v)| *sum += share * v);
             }
-        }
-    });
+            for (out, sum) in out.chunks_exact_mut(width).zip(sum.chunks_exact(planes.width)) {
+                for (x, out) in out.iter_mut().enumerate() {
+                    *out = columns.of(x).map(|(column, share)| share * sum[column]).sum();
+                }
+            }
+        },
+    );
     Planes { width, height, count: planes.count, samples: Samples::Float(means) }
 }
 
@@ -71,7 +76,9 @@ mod tests {
 
     #[test]
     fn no_light_is_lost_whatever_the_size() {
-        for (from, to) in [([30, 20], [10, 10]), ([31, 17], [7, 5]), ([9, 9], [9, 9]), ([16, 9], [15, 8])] {
+        for (from, to) in
+            [([30, 20], [10, 10]), ([31, 17], [7, 5]), ([9, 9], [9, 9]), ([16, 9], [15, 8])]
+        {
             let planes = ramp(from[0], from[1]);
             let small = reduced(&planes, to);
             for i in 0..2 {

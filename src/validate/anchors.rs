@@ -35,14 +35,21 @@ fn look(eye: &Kinetics, p: f64, light: f64, seconds: f64) -> f64 {
 /// 1e5 td from rest: the solution, and the 1-second Euler steps of ComputePhotopigmentBleaching.
 fn psychtoolbox(eye: &Kinetics) -> Vec<Check> {
     let source = "Psychtoolbox, Boynton";
-    let exact = [(1.0, 0.0407367), (10.0, 0.3285206), (60.0, 0.7924025)].map(|(seconds, bleached)| {
-        let name = format!("bleached after {seconds} s of 1e5 td");
-        Check::new(name, source, 1.0 - look(eye, 1.0, 1e5, seconds), bleached, 1e-7)
-    });
+    let exact =
+        [(1.0, 0.0407367), (10.0, 0.3285206), (60.0, 0.7924025)].map(|(seconds, bleached)| {
+            let name = format!("bleached after {seconds} s of 1e5 td");
+            Check::new(name, source, 1.0 - look(eye, 1.0, 1e5, seconds), bleached, 1e-7)
+        });
     let euler = METHODS.iter().find(|method| method.name == "forward-euler").unwrap_or(&METHODS[0]);
     let stepped = [(1, 0.0417656), (10, 0.3350376), (60, 0.7954951)].map(|(seconds, bleached)| {
         let p = (0..seconds).fold(1.0, |p, _| euler.hold(eye, p, Trolands(1e5), Seconds(1.0), 1));
-        Check::new(format!("the same by {seconds} Euler steps of 1 s"), source, 1.0 - p, bleached, 1e-7)
+        Check::new(
+            format!("the same by {seconds} Euler steps of 1 s"),
+            source,
+            1.0 - p,
+            bleached,
+            1e-7,
+        )
     });
     [exact, stepped].concat()
 }
@@ -74,8 +81,14 @@ fn looks(eye: &Kinetics) -> Vec<Check> {
 
 /// 13 trials of 18 s, light from 4 s for 0.999 s: bleached at the end of flashes.
 fn flash_train(eye: &Kinetics) -> Vec<Check> {
-    let published =
-        [(1, 0.336527066), (2, 0.528324619), (3, 0.637636188), (5, 0.735443211), (10, 0.779667866), (13, 0.781973571)];
+    let published = [
+        (1, 0.336527066),
+        (2, 0.528324619),
+        (3, 0.637636188),
+        (5, 0.735443211),
+        (10, 0.779667866),
+        (13, 0.781973571),
+    ];
     let mut checks = Vec::new();
     let mut p = 1.0;
     for trial in 1..=13 {
@@ -89,13 +102,15 @@ fn flash_train(eye: &Kinetics) -> Vec<Check> {
     checks
 }
 
-/// The sun half a degree up, stared at through a 2 mm pupil without Stiles-Crawford: the chromaticity of the percept.
+/// The sun half a degree up, stared at through a 2 mm pupil without Stiles-Crawford: the
+/// chromaticity of the percept.
 fn half_degree_sun(subject: &Subject) -> Result<Vec<Check>> {
     let config = subject.config("observer.stiles_crawford = \"off\"")?;
     let (eye, pigments) = (config.observer(), config.pigments());
     let radiance = Curve::sampled(|nm| sun_radiance(nm, 0.5, 2.5));
     let td = eye.illuminance(&radiance, Millimetres(pupil::SMALLEST.0), Millimetres(0.0));
-    let unbleached = |t: f64| [0, 1, 2].map(|k: usize| advance(&pigments[k], 1.0, td[k], Seconds(t), 64));
+    let unbleached =
+        |t: f64| [0, 1, 2].map(|k: usize| advance(&pigments[k], 1.0, td[k], Seconds(t), 64));
     let seen = [
         (0.0, [0.621, 0.373]),
         (0.3, [0.599, 0.392]),
@@ -108,7 +123,13 @@ fn half_degree_sun(subject: &Subject) -> Result<Vec<Check>> {
     for (t, expected) in seen {
         let xy = chromaticity(apply(&eye.lms_to_xyz, eye.catch(&radiance, unbleached(t))));
         for (i, axis) in ["x", "y"].iter().enumerate() {
-            checks.push(Check::new(format!("half-degree sun, {axis} after {t} s"), source, xy[i], expected[i], 6e-3));
+            checks.push(Check::new(
+                format!("half-degree sun, {axis} after {t} s"),
+                source,
+                xy[i],
+                expected[i],
+                6e-3,
+            ));
         }
     }
     let p = unbleached(1.0);
@@ -117,17 +138,31 @@ fn half_degree_sun(subject: &Subject) -> Result<Vec<Check>> {
     Ok(checks)
 }
 
-/// How far published half-bleach lights move the steady state: (sqrt r - 1)/(sqrt r + 1) for a ratio r.
+/// How far published half-bleach lights move the steady state: (sqrt r - 1)/(sqrt r + 1) for a
+/// ratio r.
 fn spread(subject: &Subject) -> Result<[Check; 2]> {
     let pigment = |set: &str| Ok(subject.pigments(&format!("observer.constants = {set:?}"))?[0]);
-    let (paper, standard, widest) = (pigment("paper")?, pigment("standard")?, pigment("wyszecki-stiles")?);
+    let (paper, standard, widest) =
+        (pigment("paper")?, pigment("standard")?, pigment("wyszecki-stiles")?);
     let moved = |a: &Kinetics, b: &Kinetics| {
         let lights = (0..=600).map(|i| Trolands(10f64.powf(f64::from(i) / 60.0)));
         lights.map(|light| (a.steady(light) - b.steady(light)).abs()).fold(0.0, f64::max)
     };
     let source = "spread of published I0";
     Ok([
-        Check::new("steady p, most that 10^3.89 and 10^4.3 td differ", source, moved(&paper, &standard), 0.232, 1e-3),
-        Check::new("steady p, most that 10^3.89 and 38 462 td differ", source, moved(&paper, &widest), 0.380, 1e-3),
+        Check::new(
+            "steady p, most that 10^3.89 and 10^4.3 td differ",
+            source,
+            moved(&paper, &standard),
+            0.232,
+            1e-3,
+        ),
+        Check::new(
+            "steady p, most that 10^3.89 and 38 462 td differ",
+            source,
+            moved(&paper, &widest),
+            0.380,
+            1e-3,
+        ),
     ])
 }

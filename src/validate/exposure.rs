@@ -14,7 +14,8 @@ use crate::units::{Seconds, Trolands};
 use super::limit::worst;
 use super::{Check, PAPER, STANDARD, Subject};
 
-/// Q of the standard L cone, td s: 10^4.3 td times 120 s; and of the paper's, 10^3.89 td times 120 s.
+/// Q of the standard L cone, td s: 10^4.3 td times 120 s; and of the paper's, 10^3.89 td times 120
+/// s.
 const Q_STANDARD: f64 = 2_394_314.777_962_655;
 const Q_PAPER: f64 = 931_496.539_954_430;
 
@@ -31,7 +32,13 @@ pub(super) fn checks(subject: &Subject) -> Result<Vec<Check>> {
     // e^-4, e^-1: 480 s and 120 s of darkness after a full bleach.
     for (seconds, bleached) in [(480.0, 0.018_315_638_888_734), (120.0, 0.367_879_441_171_442)] {
         let name = format!("still bleached after {seconds} s of darkness, standard");
-        checks.push(Check::new(name, "e^(-t/tau)", 1.0 - after(&standard, 0.0, 0.0, seconds), bleached, 1e-14));
+        checks.push(Check::new(
+            name,
+            "e^(-t/tau)",
+            1.0 - after(&standard, 0.0, 0.0, seconds),
+            bleached,
+            1e-14,
+        ));
     }
     Ok(checks)
 }
@@ -40,11 +47,14 @@ fn after(pigment: &Kinetics, p: f64, light: f64, seconds: f64) -> f64 {
     advance(pigment, p, Trolands(light), Seconds(seconds), 1)
 }
 
-/// The largest departure from e^(-I t/Q), as a share of the bound t/tau, over lights and exposures of 1 us to 1 s.
+/// The largest departure from e^(-I t/Q), as a share of the bound t/tau, over lights and exposures
+/// of 1 us to 1 s.
 fn shortest(name: &str, pigment: &Kinetics, q: f64) -> Check {
-    let exposures = (0..=6).flat_map(|i| (3..=10).map(move |decade| (10f64.powi(i - 6), 10f64.powi(decade))));
-    let share =
-        exposures.map(|(t, light)| (after(pigment, 1.0, light, t) - (-light * t / q).exp()).abs() / (t / 120.0));
+    let exposures =
+        (0..=6).flat_map(|i| (3..=10).map(move |decade| (10f64.powi(i - 6), 10f64.powi(decade))));
+    let share = exposures.map(|(t, light)| {
+        (after(pigment, 1.0, light, t) - (-light * t / q).exp()).abs() / (t / 120.0)
+    });
     let name = format!("|p - e^(-It/Q)| over t/tau, worst of 1e3 to 1e10 td, to 1 s, {name}");
     Check::new(name, "p = e^(-It/Q), Q = I0 tau", worst(share, 0.0), 0.0, 1.0)
 }

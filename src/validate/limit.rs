@@ -5,8 +5,9 @@
 //!                 ~ e^(-lambda T),                     lambda = -d(dp/dt)/dp at rest  the other laws, near the end
 //! ```
 //!
-//! `tracked` is walked frame by frame beside `steady`, through the code that a run uses; the rate is fitted to what
-//! was measured, by least squares on the logarithm, where the error is above rounding.
+//! `tracked` is walked frame by frame beside `steady`, through the code that a run uses; the rate
+//! is fitted to what was measured, by least squares on the logarithm, where the error is above
+//! rounding.
 
 use rayon::prelude::*;
 
@@ -31,7 +32,8 @@ pub(super) const STARTS: [f64; 3] = [1.0, 0.0, 0.5];
 const FRAME: f64 = 0.02;
 const WALK: f64 = 40.0;
 
-/// Errors that the fit uses: above rounding, and small enough for a law that is not linear to be at its end.
+/// Errors that the fit uses: above rounding, and small enough for a law that is not linear to be at
+/// its end.
 const FITTED: (f64, f64) = (1e-9, 1e-5);
 
 /// The error of the steady state at one moment.
@@ -89,7 +91,8 @@ fn span(pigment: &Kinetics) -> (f64, f64) {
 
 /// The rate of an exponential fall, 1/s: minus the slope of the line through its logarithms.
 pub(super) fn fit(falls: impl Iterator<Item = (f64, f64)>, (least, most): (f64, f64)) -> f64 {
-    let points: Vec<_> = falls.filter(|f| f.1 > least && f.1 < most).map(|(t, e)| (t, e.ln())).collect();
+    let points: Vec<_> =
+        falls.filter(|f| f.1 > least && f.1 < most).map(|(t, e)| (t, e.ln())).collect();
     let mean = |f: fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>() / points.len() as f64;
     let (t, y) = (mean(|p| p.0), mean(|p| p.1));
     let covariance: f64 = points.iter().map(|p| (p.0 - t) * (p.1 - y)).sum();
@@ -98,7 +101,8 @@ pub(super) fn fit(falls: impl Iterator<Item = (f64, f64)>, (least, most): (f64, 
 
 /// Every decade of light from every start.
 pub(super) fn fields(pigment: &Kinetics) -> Vec<Field> {
-    let cases: Vec<_> = DECADES.flat_map(|decade| STARTS.map(|start| (10f64.powi(decade), start))).collect();
+    let cases: Vec<_> =
+        DECADES.flat_map(|decade| STARTS.map(|start| (10f64.powi(decade), start))).collect();
     cases.into_par_iter().map(|(light, start)| walk(pigment, light, start)).collect()
 }
 
@@ -116,7 +120,12 @@ pub(super) fn checks(subject: &Subject) -> Result<Vec<Check>> {
     for (preset, name) in [(STANDARD, "standard"), (PAPER, "paper")] {
         for narrowing in ["depleted", "narrowed"] {
             let toml = format!("{preset}\nobserver.narrowing = {narrowing:?}");
-            checks.push(of_catch(&subject.config(&toml)?.observer(), &subject.pigments(&toml)?[0], name, narrowing));
+            checks.push(of_catch(
+                &subject.config(&toml)?.observer(),
+                &subject.pigments(&toml)?[0],
+                name,
+                narrowing,
+            ));
         }
     }
     Ok(checks)
@@ -128,7 +137,8 @@ fn standard_rates(subject: &Subject) -> Result<Vec<Check>> {
     let check = |decade: i32| {
         let light = 10f64.powi(decade);
         let expected = (1.0 + light / 10f64.powf(4.3)) / 120.0;
-        let measured = worst(fields.iter().filter(|f| f.light == light).map(|f| f.fitted), expected);
+        let measured =
+            worst(fields.iter().filter(|f| f.light == light).map(|f| f.fitted), expected);
         let name = format!("rate of fall, 1/s, standard, 1e{decade} td, worst of 3 starts");
         Check::new(name, "(1 + I/I0)/tau", measured, expected, 1e-6 * expected)
     };
@@ -140,17 +150,25 @@ fn of_set(subject: &Subject, set: &str) -> Result<[Check; 2]> {
     let pigments = subject.pigments(&format!("observer.constants = {set:?}"))?;
     let all: Vec<Field> = [0, 2].iter().flat_map(|&k: &usize| fields(&pigments[k])).collect();
     let linear = pigments[0].law == Law::FirstOrder;
-    let (theory, tolerance) = if linear { ("(1 + I/I0)/tau", 1e-6) } else { ("slope at the steady state", 1e-3) };
+    let (theory, tolerance) =
+        if linear { ("(1 + I/I0)/tau", 1e-6) } else { ("slope at the steady state", 1e-3) };
     let ratio = worst(all.iter().map(|f| f.fitted / f.rate), 1.0);
     let last = worst(all.iter().filter_map(|f| f.falls.last()).map(|f| f.error), 0.0);
     let (lights, what) = ("1 to 1e10 td, 3 starts", set);
     Ok([
         Check::new(format!("rate over theory, {what}, {lights}"), theory, ratio, 1.0, tolerance),
-        Check::new(format!("error after {WALK}/rate, {what}, {lights}"), "rounding of p", last, 0.0, 1e-14),
+        Check::new(
+            format!("error after {WALK}/rate, {what}, {lights}"),
+            "rounding of p",
+            last,
+            0.0,
+            1e-14,
+        ),
     ])
 }
 
-/// Rate at which a catch approaches that of the steady state: for either narrowing the pigment's own.
+/// Rate at which a catch approaches that of the steady state: for either narrowing the pigment's
+/// own.
 fn of_catch(observer: &Observer, pigment: &Kinetics, preset: &str, narrowing: &str) -> Check {
     let light = Curve::sampled(|nm| (-((nm - 600.0) / 60.0).powi(2)).exp());
     let catch = |p: f64| observer.catch(&light, [p, 1.0, 1.0])[0];
@@ -160,8 +178,10 @@ fn of_catch(observer: &Observer, pigment: &Kinetics, preset: &str, narrowing: &s
         let falls = late.map(|f| (f.time, (catch(f.p) / end - 1.0).abs()));
         fit(falls, (0.0, 1e-3)) / field.rate
     };
-    let fields: Vec<Field> = fields(pigment).into_iter().filter(|f| (1e2..=1e8).contains(&f.light)).collect();
+    let fields: Vec<Field> =
+        fields(pigment).into_iter().filter(|f| (1e2..=1e8).contains(&f.light)).collect();
     let ratios: Vec<f64> = fields.par_iter().map(ratio).collect();
-    let name = format!("rate of fall of {}'s catch over theory, preset {preset}, {narrowing}", CONES[0]);
+    let name =
+        format!("rate of fall of {}'s catch over theory, preset {preset}, {narrowing}", CONES[0]);
     Check::new(name, "(1 + I/I0)/tau", worst(ratios.into_iter(), 1.0), 1.0, 1e-3)
 }

@@ -1,8 +1,10 @@
-//! The program held against what is known: closed forms, the paper's equations, published numbers, the oracle.
+//! The program held against what is known: closed forms, the paper's equations, published numbers,
+//! the oracle.
 //!
-//! A check is a number that was measured on the code beside the number it should have, worked out elsewhere. What is
-//! checked is a [`Subject`]: the shipped constants, or those that a user has set, so that a wrong constant shows.
-//! Where the paper as printed disagrees with its own sources, a row states both numbers and judges nothing.
+//! A check is a number that was measured on the code beside the number it should have, worked out
+//! elsewhere. What is checked is a [`Subject`]: the shipped constants, or those that a user has
+//! set, so that a wrong constant shows. Where the paper as printed disagrees with its own sources,
+//! a row states both numbers and judges nothing.
 
 mod anchors;
 mod exposure;
@@ -60,20 +62,35 @@ pub struct Check {
 
 impl Check {
     /// A check that passes if the two differ by no more than `tolerance`.
-    pub fn new(name: impl Into<String>, source: &'static str, measured: f64, expected: f64, tolerance: f64) -> Self {
-        let verdict = if (measured - expected).abs() <= tolerance { Verdict::Pass } else { Verdict::Fail };
+    pub fn new(
+        name: impl Into<String>,
+        source: &'static str,
+        measured: f64,
+        expected: f64,
+        tolerance: f64,
+    ) -> Self {
+        let verdict =
+            if (measured - expected).abs() <= tolerance { Verdict::Pass } else { Verdict::Fail };
         Check { name: name.into(), source, measured, expected, tolerance, verdict }
     }
 
     /// A known disagreement: what is computed here beside what was printed.
     pub fn info(name: impl Into<String>, source: &'static str, ours: f64, printed: f64) -> Self {
         let tolerance = f64::NAN;
-        Check { name: name.into(), source, measured: ours, expected: printed, tolerance, verdict: Verdict::Info }
+        Check {
+            name: name.into(),
+            source,
+            measured: ours,
+            expected: printed,
+            tolerance,
+            verdict: Verdict::Info,
+        }
     }
 
     /// How much of its tolerance a check uses up; `None` where nothing is judged.
     pub fn share(&self) -> Option<f64> {
-        (self.verdict != Verdict::Info).then(|| (self.measured - self.expected).abs() / self.tolerance)
+        (self.verdict != Verdict::Info)
+            .then(|| (self.measured - self.expected).abs() / self.tolerance)
     }
 }
 
@@ -113,10 +130,14 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// The program as shipped, with `KEY=VALUE` settings on top of every configuration that is checked.
+    /// The program as shipped, with `KEY=VALUE` settings on top of every configuration that is
+    /// checked.
     pub fn new(sets: &[String]) -> Self {
         let (log_td, tau) = RODS;
-        Subject { sets: sets.to_vec(), rods: Kinetics::first_order(Trolands(10f64.powf(log_td)), Seconds(tau)) }
+        Subject {
+            sets: sets.to_vec(),
+            rods: Kinetics::first_order(Trolands(10f64.powf(log_td)), Seconds(tau)),
+        }
     }
 
     /// A configuration as the subject would have it.
@@ -145,14 +166,23 @@ pub struct Topic {
 
 /// Every topic, in the order in which they are shown.
 pub const TOPICS: [Topic; 8] = [
-    Topic { title: "The steady state as the limit of long exposure: uniform fields", checks: limit::checks },
-    Topic { title: "The steady state as the limit of long exposure: pictures", checks: pictures::checks },
+    Topic {
+        title: "The steady state as the limit of long exposure: uniform fields",
+        checks: limit::checks,
+    },
+    Topic {
+        title: "The steady state as the limit of long exposure: pictures",
+        checks: pictures::checks,
+    },
     Topic { title: "Short exposure, reciprocity, recovery", checks: exposure::checks },
     Topic { title: "The paper's equations and Table 1", checks: paper::checks },
     Topic { title: "The observer", checks: observer::checks },
     Topic { title: "Published anchors", checks: anchors::checks },
     Topic { title: "The oracle: 30 digits from 60-digit arithmetic", checks: oracle::checks },
-    Topic { title: "The paper as printed: ours beside the printed number", checks: printed::checks },
+    Topic {
+        title: "The paper as printed: ours beside the printed number",
+        checks: printed::checks,
+    },
 ];
 
 /// Makes every check. `progress` is told which topic comes next.

@@ -1,4 +1,5 @@
-//! The observer by number: cone trolands, narrowing, pupil, Stiles-Crawford, colour, Rayleigh matches.
+//! The observer by number: cone trolands, narrowing, pupil, Stiles-Crawford, colour, Rayleigh
+//! matches.
 
 use crate::error::Result;
 use crate::eye::{Adapting, CONES, Observer};
@@ -17,7 +18,11 @@ pub(super) fn checks(subject: &Subject) -> Result<Vec<Check>> {
     let narrow_field = subject.observer(TWO_DEGREES)?;
     let mut checks = cone_trolands(&standard, "CIE 2006, 10 deg", [0.99080, 1.16257, 2.14685]);
     checks.extend(cone_trolands(&narrow_field, "CIE 2006, 2 deg", [0.97468, 1.19216, 1.93485]));
-    checks.extend(cone_trolands(&subject.observer(PAPER)?, "SMJ 1993, 10 deg", [0.98353, 1.15500, 2.05021]));
+    checks.extend(cone_trolands(
+        &subject.observer(PAPER)?,
+        "SMJ 1993, 10 deg",
+        [0.98353, 1.15500, 2.05021],
+    ));
     checks.push(rebuilt(&standard));
     checks.push(luminance(&standard));
     checks.extend(narrowing(&standard));
@@ -34,7 +39,13 @@ fn cone_trolands(eye: &Observer, set: &str, expected: [f64; 3]) -> Vec<Check> {
     let check = |k: usize| {
         let name = format!("td in {} of one equal-energy td, {set}", CONES[k]);
         // The published digits were made from a table that agrees with its parts to 5.2e-5.
-        Check::new(name, "integral V / integral s", eye.cone_troland()[k], expected[k], 6e-5 * expected[k])
+        Check::new(
+            name,
+            "integral V / integral s",
+            eye.cone_troland()[k],
+            expected[k],
+            6e-5 * expected[k],
+        )
     };
     (0..3).map(check).collect()
 }
@@ -52,13 +63,25 @@ fn rebuilt(eye: &Observer) -> Check {
             .map(|(ours, t)| (ours - t).abs())
     };
     let error = worst((0..3).flat_map(of_cone), 0.0);
-    Check::new("fundamentals rebuilt from their parts, worst error", "CIE 170-1:2006 table", error, 0.0, 8e-5)
+    Check::new(
+        "fundamentals rebuilt from their parts, worst error",
+        "CIE 170-1:2006 table",
+        error,
+        0.0,
+        8e-5,
+    )
 }
 
 fn luminance(eye: &Observer) -> Check {
     let y: f64 = CIE1931.column("y").iter().sum();
     let ratio = eye.luminous_efficiency().integral() / y;
-    Check::new("luminance of equal energy over that of CIE 1931", "CIE 170-2:2015", ratio, 1.109, 5e-4)
+    Check::new(
+        "luminance of equal energy over that of CIE 1931",
+        "CIE 170-2:2015",
+        ratio,
+        1.109,
+        5e-4,
+    )
 }
 
 /// Peaks and widths of bleached fundamentals, both readings.
@@ -75,13 +98,20 @@ fn narrowing(eye: &Observer) -> Vec<Check> {
             let name = |what: &str| format!("{what} of {} at p = {p}", CONES[k]);
             checks.push(Check::new(name("peak"), "1 - 10^(-D p a)", curve.peak(), peaks[k], 6e-5));
             let width = curve.peak_and_width().1;
-            checks.push(Check::new(name("width at half height, nm,"), "1 - 10^(-D p a)", width, widths[k], 0.006));
+            checks.push(Check::new(
+                name("width at half height, nm,"),
+                "1 - 10^(-D p a)",
+                width,
+                widths[k],
+                0.006,
+            ));
         }
     }
     checks
 }
 
-/// How far a match of 546 + 650 nm to 589.6 nm moves when L and M are bleached to p: the change of log10(R/G).
+/// How far a match of 546 + 650 nm to 589.6 nm moves when L and M are bleached to p: the change of
+/// log10(R/G).
 fn rayleigh(eye: &Observer, field: &str, expected: &[(f64, f64)]) -> Vec<Check> {
     let at = |curve: &Curve, nm: f64| {
         let (below, part) = (nm.floor(), nm.fract());
@@ -103,7 +133,8 @@ fn rayleigh(eye: &Observer, field: &str, expected: &[(f64, f64)]) -> Vec<Check> 
 
 /// The pupil's mean weight for p = 0.05 mm^-2: (1 - 10^(-p R^2))/(p R^2 ln 10).
 fn stiles_crawford(subject: &Subject) -> Result<Vec<Check>> {
-    let eye = subject.observer("observer.stiles_crawford = \"pupil\"\nobserver.stiles_crawford_p = 0.05")?;
+    let eye = subject
+        .observer("observer.stiles_crawford = \"pupil\"\nobserver.stiles_crawford_p = 0.05")?;
     let check = |(d, eta): (f64, f64)| {
         let ours = eye.equal_energy_weight(Millimetres(d), Millimetres(0.0))[0];
         Check::new(
@@ -117,20 +148,31 @@ fn stiles_crawford(subject: &Subject) -> Result<Vec<Check>> {
     Ok([(2.0, 0.9446), (5.0, 0.7130), (8.0, 0.4568)].map(check).into())
 }
 
-/// 10 000 cd/m2 over 36 deg2: F/846 = 425.5, f = 11.97; D = 7.75 - 5.75 f/(f + 2) = 2.821; then the age of 30.
+/// 10 000 cd/m2 over 36 deg2: F/846 = 425.5, f = 11.97; D = 7.75 - 5.75 f/(f + 2) = 2.821; then the
+/// age of 30.
 fn watson_yellott(eye: &Observer) -> Check {
     let light = Adapting { fovea: Nits(1e4), picture: Nits(1e4), area_deg2: 36.0 };
     let d = eye.pupil.diameter(light).0;
-    Check::new("unified pupil, mm, 1e4 cd/m2 over 36 deg2, age 30", "Watson & Yellott 2012", d, 2.81550829719, 1e-9)
+    Check::new(
+        "unified pupil, mm, 1e4 cd/m2 over 36 deg2, age 30",
+        "Watson & Yellott 2012",
+        d,
+        2.81550829719,
+        1e-9,
+    )
 }
 
 /// RGB (1, 1, 1) of 1 cd/m2: its cone trolands per mm2 of pupil.
 fn white(subject: &Subject) -> Result<Vec<Check>> {
     let eye = subject.observer("observer.stiles_crawford = \"off\"")?;
-    let Some(vision) = Vision::of_rgb(eye, &Primaries::REC709, Nits(1.0)) else { return Ok(Vec::new()) };
+    let Some(vision) = Vision::of_rgb(eye, &Primaries::REC709, Nits(1.0)) else {
+        return Ok(Vec::new());
+    };
     let pixel = Planes { width: 1, height: 1, count: 3, samples: Samples::Float(vec![1.0; 3]) };
     let weights = vision.illuminance_weights(Millimetres(2.0), Millimetres(0.0));
-    let td = vision.illuminance(&vision.moments(&pixel, 0, 0), &weights).map(|td| td / std::f64::consts::PI);
+    let td = vision
+        .illuminance(&vision.moments(&pixel, 0, 0), &weights)
+        .map(|td| td / std::f64::consts::PI);
     let expected = [0.98551, 1.03352, 1.07169];
     let check = |k: usize| {
         let name = format!("{} td of sRGB white, per td", CONES[k]);

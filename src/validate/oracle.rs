@@ -37,8 +37,15 @@ const CASES: [(&str, &str, f64); 9] = [
 pub(super) fn checks(_: &Subject) -> Result<Vec<Check>> {
     let rows: Vec<(&str, Row)> = TABLE.lines().skip(1).filter_map(row).collect();
     let check = |(case, name, tolerance): (&str, &str, f64)| {
-        let errors = rows.iter().filter(|(of, _)| *of == case).map(|(_, row)| (computed(row) - row.p).abs());
-        Check::new(format!("p, worst error: {name}"), "kinetics_oracle.csv", worst(errors, 0.0), 0.0, tolerance)
+        let errors =
+            rows.iter().filter(|(of, _)| *of == case).map(|(_, row)| (computed(row) - row.p).abs());
+        Check::new(
+            format!("p, worst error: {name}"),
+            "kinetics_oracle.csv",
+            worst(errors, 0.0),
+            0.0,
+            tolerance,
+        )
     };
     Ok(CASES.map(check).into())
 }
@@ -53,8 +60,13 @@ fn row(line: &str) -> Option<(&str, Row)> {
         _ => Law::SelfScreened { density: number(4)?, norm: 1.0 },
     };
     let kinetics = Kinetics { law, half_bleach: Trolands(number(3)?), tau: Seconds(number(2)?) };
-    let row =
-        Row { law: field[1].to_owned(), kinetics, start: number(6)?, schedule: schedule(field[7])?, p: number(9)? };
+    let row = Row {
+        law: field[1].to_owned(),
+        kinetics,
+        start: number(6)?,
+        schedule: schedule(field[7])?,
+        p: number(9)?,
+    };
     Some((field[0], row))
 }
 
@@ -67,7 +79,9 @@ fn schedule(text: &str) -> Option<Vec<(Drive, Seconds)>> {
         let numbers: Vec<f64> = text.split(':').skip(1).filter_map(|n| n.parse().ok()).collect();
         match numbers[..] {
             [light, dt] => Some((Drive::Held(Trolands(light)), Seconds(dt))),
-            [from, to, dt] => Some((Drive::Ramp { from: Trolands(from), to: Trolands(to) }, Seconds(dt))),
+            [from, to, dt] => {
+                Some((Drive::Ramp { from: Trolands(from), to: Trolands(to) }, Seconds(dt)))
+            }
             _ => None,
         }
     };
@@ -78,7 +92,9 @@ fn schedule(text: &str) -> Option<Vec<(Drive, Seconds)>> {
 fn computed(row: &Row) -> f64 {
     let ramp = METHODS.iter().find(|method| method.name == "ramp").unwrap_or(&METHODS[0]);
     let step = |p: f64, (drive, dt): (Drive, Seconds)| match drive {
-        Drive::Held(light) if row.law == "screened-noregen" => bleach_alone(&row.kinetics, p, light, dt),
+        Drive::Held(light) if row.law == "screened-noregen" => {
+            bleach_alone(&row.kinetics, p, light, dt)
+        }
         Drive::Held(light) => advance(&row.kinetics, p, light, dt, SUBSTEPS),
         moving => (ramp.step)(&row.kinetics, p, moving, dt),
     };

@@ -1,5 +1,5 @@
-//! The paper's Eq. 1 to 7 and its Table 1, each by number. Every expected value is worked out beside its check from
-//! the printed formula; the constants it takes stand in the comment.
+//! The paper's Eq. 1 to 7 and its Table 1, each by number. Every expected value is worked out
+//! beside its check from the printed formula; the constants it takes stand in the comment.
 
 use crate::error::Result;
 use crate::eye::{Adapting, Rule, pupil};
@@ -23,7 +23,8 @@ fn table_1(subject: &Subject) -> Result<Vec<Check>> {
     };
     let [l, m, _] = subject.pigments(PAPER)?;
     let mixture = subject.pigments("observer.constants = \"mixture\"")?;
-    let limited = subject.pigments("observer.constants = \"van-hateren-snippe\"")?[0].half_bleach_light().0;
+    let limited =
+        subject.pigments("observer.constants = \"van-hateren-snippe\"")?[0].half_bleach_light().0;
     // Q/tau (1 + Km)/(0.5 + Km) = 829268/150 * 1.2/0.7
     let of_limited = "half-bleach light, td, rate-limited set van-hateren-snippe";
     Ok(vec![
@@ -59,7 +60,13 @@ fn equations_1_to_4(subject: &Subject) -> Result<Vec<Check>> {
             1e-9,
         ),
         // 4.9 - 3 tanh(0.4 (2 + 1)) = 4.9 - 3 * 0.833654607
-        Check::new("Eq. 3: mm at 100 cd/m2, as printed", "paper Eq. 3", d(rule), 2.39903617896, 1e-11),
+        Check::new(
+            "Eq. 3: mm at 100 cd/m2, as printed",
+            "paper Eq. 3",
+            d(rule),
+            2.39903617896,
+            1e-11,
+        ),
         // 4.9 - 3 tanh(0.4 * 2) = 4.9 - 3 * 0.664036770
         Check::new(
             "Moon & Spencer for cd/m2: mm at 100 cd/m2",
@@ -89,21 +96,32 @@ fn equations_1_to_4(subject: &Subject) -> Result<Vec<Check>> {
 
 fn equations_5_to_7(subject: &Subject) -> Result<Vec<Check>> {
     let eye = subject.observer(PAPER)?;
-    let eta =
-        |p: f64, r: f64| crate::eye::directional::eta(crate::eye::Reading::Paper { mm_per_degree: 0.29 }, p, 8.0, r);
+    let eta = |p: f64, r: f64| {
+        crate::eye::directional::eta(crate::eye::Reading::Paper { mm_per_degree: 0.29 }, p, 8.0, r)
+    };
     let line = |nm: usize| {
         let mut light = Curve::sampled(|_| 0.0);
         light.0[nm - Curve::FROM] = 1.0;
         light
     };
-    let at = |nm: usize, r: f64| eye.illuminance(&line(nm), Millimetres(8.0), Millimetres(r)).map(|td| td.0);
-    // 1 W m^-2 sr^-1 at 550 nm through 4 mm: 683.002 c A s, A = 4 pi mm2, x10 y10 z10 = .529826 .991761 .003988.
+    let at = |nm: usize, r: f64| {
+        eye.illuminance(&line(nm), Millimetres(8.0), Millimetres(r)).map(|td| td.0)
+    };
+    // 1 W m^-2 sr^-1 at 550 nm through 4 mm: 683.002 c A s, A = 4 pi mm2, x10 y10 z10 = .529826
+    // .991761 .003988.
     let trolands = eye.illuminance(&line(550), Millimetres(4.0), Millimetres(0.0));
-    // c s = .98353 * .944557895, 1.15500 * .968920174, 2.05021 * .001564621 (S by its exponential beyond 520 nm).
+    // c s = .98353 * .944557895, 1.15500 * .968920174, 2.05021 * .001564621 (S by its exponential
+    // beyond 520 nm).
     let expected = [7973.4823, 9605.0985, 27.532096];
     let mut checks = vec![
         // 10^(-0.05 * 2^2) = 10^-0.2
-        Check::new("Eq. 5: eta at p = 0.05, r = 2 mm", "paper Eq. 5", eta(0.05, 2.0), 0.630957344480, 1e-12),
+        Check::new(
+            "Eq. 5: eta at p = 0.05, r = 2 mm",
+            "paper Eq. 5",
+            eta(0.05, 2.0),
+            0.630957344480,
+            1e-12,
+        ),
         // p = 0.0506 + 0.037 * lens density 0.1537 = 0.0562869; 10^(-4 p)
         Check::new(
             "Eq. 6: I'/I of 500 nm at r = 2 mm, lens-corrected",
@@ -124,7 +142,13 @@ fn equations_5_to_7(subject: &Subject) -> Result<Vec<Check>> {
     for (k, cone) in crate::eye::CONES.iter().enumerate() {
         let name = format!("Eq. 7: {cone} td of 1 W m^-2 sr^-1 at 550 nm, 4 mm");
         // c_k of the model has five digits.
-        checks.push(Check::new(name, "paper Eq. 7, SMJ 1993", trolands[k].0, expected[k], 6e-5 * expected[k]));
+        checks.push(Check::new(
+            name,
+            "paper Eq. 7, SMJ 1993",
+            trolands[k].0,
+            expected[k],
+            6e-5 * expected[k],
+        ));
     }
     Ok(checks)
 }

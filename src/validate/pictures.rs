@@ -1,7 +1,8 @@
-//! The steady state as the limit of long exposure, on pictures: every place of a retina, `tracked` beside `steady`,
-//! through the eye of a run.
+//! The steady state as the limit of long exposure, on pictures: every place of a retina, `tracked`
+//! beside `steady`, through the eye of a run.
 //!
-//! With first-order kinetics every place's error falls by e^(-T/(tau p)), p its steady unbleached fraction.
+//! With first-order kinetics every place's error falls by e^(-T/(tau p)), p its steady unbleached
+//! fraction.
 
 use std::path::{Path, PathBuf};
 
@@ -43,7 +44,10 @@ fn pictures() -> Vec<Picture> {
     let sunset = Picture { name: "built-in sunset", input: format!("[input]\nwidth = {WIDTH}\n") };
     let render = render().map(|path| Picture {
         name: "Mitsuba sunset",
-        input: format!("[input]\nframes = {:?}\nhorizontal_fov_deg = 8.0\n", path.display().to_string()),
+        input: format!(
+            "[input]\nframes = {:?}\nhorizontal_fov_deg = 8.0\n",
+            path.display().to_string()
+        ),
     });
     std::iter::once(sunset).chain(render).collect()
 }
@@ -63,11 +67,13 @@ pub(super) fn checks(subject: &Subject) -> Result<Vec<Check>> {
             for narrowing in ["depleted", "narrowed"] {
                 let toml = format!("{preset}\nobserver.narrowing = {narrowing:?}\n");
                 let stare = Stare::new(subject, &picture, &toml)?;
-                checks.extend(stare.checks(&format!("{}, preset {name}, {narrowing}", picture.name)));
+                checks
+                    .extend(stare.checks(&format!("{}, preset {name}, {narrowing}", picture.name)));
             }
         }
         for set in CONSTANTS.iter().filter(|set| set.name != "standard") {
-            let stare = Stare::new(subject, &picture, &format!("observer.constants = {:?}\n", set.name))?;
+            let stare =
+                Stare::new(subject, &picture, &format!("observer.constants = {:?}\n", set.name))?;
             checks.extend(stare.checks(&format!("{}, constants {}", picture.name, set.name)));
         }
     }
@@ -114,7 +120,8 @@ impl Stare {
 
     fn viewer(&self, model: Model, start: f64) -> Viewer {
         let (width, height) = (self.planes.width, self.planes.height);
-        let retina = Retina::from_fractions(Array3::from_elem((height, 3, width), start), [start; 3]);
+        let retina =
+            Retina::from_fractions(Array3::from_elem((height, 3, width), start), [start; 3]);
         Viewer::new(self.scene.vision.clone(), self.pigments, model, retina, self.pixels_per_degree)
     }
 
@@ -129,9 +136,18 @@ impl Stare {
         let mut viewer = self.viewer(limit_model(&self.pigments[0]), start);
         let (mut now, mut rate, mut percept) = (0.0, 1.0, 0.0);
         for time in ENDS {
-            let look = viewer.look(&self.planes, &self.survey, self.gaze(), Seconds(time - now), None);
+            let look =
+                viewer.look(&self.planes, &self.survey, self.gaze(), Seconds(time - now), None);
             now = time;
-            rate = worst([rate].into_iter().chain(self.rates(start, time, viewer.retina.fractions(), &steady)), 1.0);
+            rate = worst(
+                [rate].into_iter().chain(self.rates(
+                    start,
+                    time,
+                    viewer.retina.fractions(),
+                    &steady,
+                )),
+                1.0,
+            );
             percept = difference(&look.seen, &end.seen);
         }
         let errors = viewer.retina.fractions().iter().zip(&steady).map(|(p, end)| (p - end).abs());
@@ -139,7 +155,13 @@ impl Stare {
     }
 
     /// Rate of fall over theory at every place whose error can still be read.
-    fn rates<'a>(&self, start: f64, time: f64, p: &'a [f64], steady: &'a [f64]) -> impl Iterator<Item = f64> + use<'a> {
+    fn rates<'a>(
+        &self,
+        start: f64,
+        time: f64,
+        p: &'a [f64],
+        steady: &'a [f64],
+    ) -> impl Iterator<Item = f64> + use<'a> {
         let taus = self.pigments.map(|pigment| pigment.tau.0);
         let width = self.planes.width;
         let of_place = move |(i, (p, end)): (usize, (&f64, &f64))| {
@@ -157,14 +179,23 @@ impl Stare {
         let error = worst(found.iter().map(|f| f.error), 0.0);
         let percept = worst(found.iter().map(|f| f.percept), 0.0);
         let last = ENDS[ENDS.len() - 1];
-        let fall = Check::new(format!("rate over theory, {what}"), "(1 + I/I0)/tau", rate, 1.0, 1e-6);
-        let rest = Check::new(format!("p after {last} s, {what}"), "rounding of p", error, 0.0, 1e-14);
-        let seen = Check::new(format!("percept after {last} s, {what}"), "rounding of f32", percept, 0.0, 2e-6);
+        let fall =
+            Check::new(format!("rate over theory, {what}"), "(1 + I/I0)/tau", rate, 1.0, 1e-6);
+        let rest =
+            Check::new(format!("p after {last} s, {what}"), "rounding of p", error, 0.0, 1e-14);
+        let seen = Check::new(
+            format!("percept after {last} s, {what}"),
+            "rounding of f32",
+            percept,
+            0.0,
+            2e-6,
+        );
         linear.then_some(fall).into_iter().chain([rest, seen]).collect()
     }
 }
 
-/// One step of the first-order law is exact; the others take as many sub-steps as their budget asks for.
+/// One step of the first-order law is exact; the others take as many sub-steps as their budget asks
+/// for.
 fn limit_model(pigment: &Kinetics) -> Model {
     match (limit::tracked(), pigment.law) {
         (Model::Tracked { method, budget, .. }, law) if law != Law::FirstOrder => {

@@ -23,7 +23,11 @@ pub fn csv(validation: &Validation) -> String {
 
 /// A cell; quoted if it holds a comma.
 fn quoted(cell: &str) -> String {
-    if cell.contains([',', '"']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_owned() }
+    if cell.contains([',', '"']) {
+        format!("\"{}\"", cell.replace('"', "\"\""))
+    } else {
+        cell.to_owned()
+    }
 }
 
 /// The rows as objects.
@@ -45,15 +49,25 @@ pub fn rows(validation: &Validation) -> Value {
 const NAME: usize = 68;
 const NUMBER: usize = 12;
 
-/// The table for a terminal; `colour`: whether it knows ANSI colours. It ends with one line a group.
+/// The table for a terminal; `colour`: whether it knows ANSI colours. It ends with one line a
+/// group.
 pub fn text(validation: &Validation, colour: bool) -> String {
     let mut text = String::new();
-    let paint = |code: &str, words: &str| if colour { format!("\x1b[{code}m{words}\x1b[0m") } else { words.to_owned() };
-    let columns = format!("{:NAME$} {:>NUMBER$} {:>NUMBER$} {:>6}  source", "", "measured", "expected", "+-");
+    let paint = |code: &str, words: &str| {
+        if colour { format!("\x1b[{code}m{words}\x1b[0m") } else { words.to_owned() }
+    };
+    let columns =
+        format!("{:NAME$} {:>NUMBER$} {:>NUMBER$} {:>6}  source", "", "measured", "expected", "+-");
     for group in &validation.groups {
         let _ = writeln!(text, "{}\n   {}", paint("1", group.title), paint("2", &columns));
         for check in &group.checks {
-            let _ = writeln!(text, "{} {}  {}", mark(check.verdict, paint), line(check), paint("2", check.source));
+            let _ = writeln!(
+                text,
+                "{} {}  {}",
+                mark(check.verdict, paint),
+                line(check),
+                paint("2", check.source)
+            );
         }
         text.push('\n');
     }
@@ -79,12 +93,15 @@ fn mark(verdict: Verdict, paint: impl Fn(&str, &str) -> String) -> String {
 }
 
 fn line(check: &Check) -> String {
-    let tolerance = if check.tolerance.is_nan() { String::new() } else { format!("{:.0e}", check.tolerance) };
-    let [measured, expected] = [check.measured, check.expected].map(|v| sensible(v, check.tolerance));
+    let tolerance =
+        if check.tolerance.is_nan() { String::new() } else { format!("{:.0e}", check.tolerance) };
+    let [measured, expected] =
+        [check.measured, check.expected].map(|v| sensible(v, check.tolerance));
     format!("{:NAME$} {measured:>NUMBER$} {expected:>NUMBER$} {tolerance:>6}", check.name)
 }
 
-/// Digits down to a tenth of the tolerance, seven significant ones at most; blank where there is no number.
+/// Digits down to a tenth of the tolerance, seven significant ones at most; blank where there is no
+/// number.
 fn sensible(value: f64, tolerance: f64) -> String {
     if value.is_nan() {
         return String::new();
@@ -104,6 +121,7 @@ fn sensible(value: f64, tolerance: f64) -> String {
 
 /// The last line: how many passed, failed and are stated.
 pub fn summary(validation: &Validation) -> String {
-    let [pass, fail, info] = [Verdict::Pass, Verdict::Fail, Verdict::Info].map(|verdict| validation.count(verdict));
+    let [pass, fail, info] =
+        [Verdict::Pass, Verdict::Fail, Verdict::Info].map(|verdict| validation.count(verdict));
     format!("{} checks: {pass} pass, {fail} fail, {info} stated as information", pass + fail + info)
 }

@@ -23,7 +23,13 @@ impl Census {
         least: [1.0; 3],
         s_past_half: 0,
         limited: 0,
-        left_out: LeftOut { untouched: 0.0, outlasted: 0.0, stepped: false, settled: false, followed: false },
+        left_out: LeftOut {
+            untouched: 0.0,
+            outlasted: 0.0,
+            stepped: false,
+            settled: false,
+            followed: false,
+        },
     };
 
     /// What the light of a run of places was, td.

@@ -11,7 +11,8 @@ impl Viewer {
         Check::new(places.to_vec(), |[x, y]| self.retina.at([x as i64, y as i64]))
     }
 
-    /// Moves a check by the frame that was just looked at. `kept`: the places' spectra, where frames hold bands.
+    /// Moves a check by the frame that was just looked at. `kept`: the places' spectra, where
+    /// frames hold bands.
     pub fn compare(
         &self,
         check: &mut Check,

@@ -1,4 +1,5 @@
-//! Reading between samples: light on its way to the retina, pigment on its way back, straight lines both ways.
+//! Reading between samples: light on its way to the retina, pigment on its way back, straight lines
+//! both ways.
 
 use std::ops::Range;
 
@@ -14,8 +15,8 @@ pub(super) struct Field<'a, T> {
 }
 
 impl<T: Between> Field<'_, T> {
-    /// Reads a run of three planes, at most [`TILE`] long, that begins at `from` and goes on in steps of one sample.
-    /// Whole steps are exact.
+    /// Reads a run of three planes, at most [`TILE`] long, that begins at `from` and goes on in
+    /// steps of one sample. Whole steps are exact.
     pub fn resample(&self, from: [f64; 2], out: [&mut [T]; 3]) {
         let at = from.map(|v| v.floor() as i64);
         let share = [0, 1].map(|i| from[i] - from[i].floor());
@@ -29,7 +30,8 @@ impl<T: Between> Field<'_, T> {
         }
     }
 
-    /// Which of `length` places from column `left` on lie between two columns, or on one where `share` is 0.
+    /// Which of `length` places from column `left` on lie between two columns, or on one where
+    /// `share` is 0.
     fn inside(&self, left: i64, share: f64, length: usize) -> Range<usize> {
         let last = self.width as i64 - i64::from(share > 0.0);
         let first = (-left).clamp(0, length as i64);

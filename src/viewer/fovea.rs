@@ -1,4 +1,5 @@
-//! Luminance: around the gaze and over the picture, for the pupil, and of every cell, for the display.
+//! Luminance: around the gaze and over the picture, for the pupil, and of every cell, for the
+//! display.
 
 use std::ops::Range;
 
@@ -13,7 +14,8 @@ use crate::percept::Vision;
 use crate::units::{Degrees, Nits};
 
 impl Viewer {
-    /// What the pupil responds to: the mean over the fovea around the gaze (pixels) and over the picture.
+    /// What the pupil responds to: the mean over the fovea around the gaze (pixels) and over the
+    /// picture.
     pub fn adapting(&self, planes: &Planes, survey: &Survey, gaze: [f64; 2]) -> Adapting {
         let area = (planes.width * planes.height) as f64 / self.pixels_per_degree.powi(2);
         let fovea = self.foveal_mean(planes, gaze);
@@ -43,7 +45,14 @@ impl Viewer {
     }
 
     /// Luminances of a run of pixels, cd/m2.
-    fn luminances(&self, planes: &Planes, y: usize, run: Range<usize>, room: &mut [f32; TILE], out: &mut [f64]) {
+    fn luminances(
+        &self,
+        planes: &Planes,
+        y: usize,
+        run: Range<usize>,
+        room: &mut [f32; TILE],
+        out: &mut [f64],
+    ) {
         out.fill(0.0);
         for (i, &weight) in self.vision.luminance.iter().enumerate().filter(|(_, w)| **w != 0.0) {
             for (sum, &sample) in out.iter_mut().zip(planes.run(i, y, run.clone(), room)) {
@@ -53,7 +62,12 @@ impl Viewer {
     }
 
     /// The pixels of a picture whose centres lie within the fovea around a gaze.
-    pub fn fovea(&self, width: usize, height: usize, gaze: [f64; 2]) -> impl Iterator<Item = [usize; 2]> {
+    pub fn fovea(
+        &self,
+        width: usize,
+        height: usize,
+        gaze: [f64; 2],
+    ) -> impl Iterator<Item = [usize; 2]> {
         self.foveal_rows(width, height, gaze).flat_map(|(y, columns)| columns.map(move |x| [x, y]))
     }
 

@@ -1,11 +1,13 @@
-//! A staring viewer: an observer and a retina in time. One look takes a frame's light to the percept.
+//! A staring viewer: an observer and a retina in time. One look takes a frame's light to the
+//! percept.
 //!
 //! ```text
 //! adapting luminance -> pupil -> per row: cone illuminance -> pigment -> percept
 //! ```
 //!
-//! With a still gaze the whole way is one pass over a row. With a moved gaze it is two: the light's way to the
-//! retina (`expose`) and the percept's way back (`perceive`), each with its own resampling.
+//! With a still gaze the whole way is one pass over a row. With a moved gaze it is two: the light's
+//! way to the retina (`expose`) and the percept's way back (`perceive`), each with its own
+//! resampling.
 
 mod census;
 mod checked;
@@ -68,7 +70,13 @@ pub struct Look {
 
 impl Viewer {
     /// A viewer of pictures of this size; the retina must have it too.
-    pub fn new(vision: Vision, pigments: [Kinetics; 3], model: Model, retina: Retina, pixels_per_degree: f64) -> Self {
+    pub fn new(
+        vision: Vision,
+        pigments: [Kinetics; 3],
+        model: Model,
+        retina: Retina,
+        pixels_per_degree: f64,
+    ) -> Self {
         let pupil = Pupil::new(vision.observer.pupil, vision.observer.dynamics);
         let (form, around) = (PerceptForm::new(&vision), vision.equal_energy_moments());
         Viewer {
@@ -88,7 +96,8 @@ impl Viewer {
         }
     }
 
-    /// Looks at a frame for a while. `gaze`: where, in pixels; `recycled`: an earlier percept to be written over.
+    /// Looks at a frame for a while. `gaze`: where, in pixels; `recycled`: an earlier percept to be
+    /// written over.
     pub fn look(
         &mut self,
         planes: &Planes,
@@ -114,7 +123,8 @@ impl Viewer {
         let half = matches!(planes.samples, Samples::Half(_)) && self.vision.returns_its_light();
         let mut seen = canvas(recycled, planes, half);
         let per_row = self.retina.size()[0].div_ceil(glance.sight.tile());
-        let rested = || self.retina.fractions().iter().chain(&self.retina.beyond()).all(|&p| p == 1.0);
+        let rested =
+            || self.retina.fractions().iter().chain(&self.retina.beyond()).all(|&p| p == 1.0);
         self.plan.open(per_row, self.retina.size()[1], rested, &self.vision);
         let census = match &mut seen.samples {
             Samples::Half(seen) => self.rows(&glance, seen),
@@ -164,18 +174,31 @@ impl Viewer {
                     let light = sight.light(planes.row(y), from, width, room);
                     let mut p = thirds(p).map(|p| &mut p[from..from + width]);
                     if moves {
-                        let greatest = sight.illuminance(light, [from, y], td.each_mut().map(|td| &mut td[..width]));
+                        let greatest = sight.illuminance(
+                            light,
+                            [from, y],
+                            td.each_mut().map(|td| &mut td[..width]),
+                        );
                         let td = td.each_ref().map(|td| &td[..width]);
                         let p = p.each_mut().map(|p| &mut **p);
-                        census = census.and(tile::moved(&advance, &rule, left_out, td, greatest, p));
+                        census =
+                            census.and(tile::moved(&advance, &rule, left_out, td, greatest, p));
                     }
-                    let whole = left_out.is_finite() && (moves || p.iter().all(|p| kernel::least(p) == 1.0));
+                    let whole = left_out.is_finite()
+                        && (moves || p.iter().all(|p| kernel::least(p) == 1.0));
                     if whole && returns_light {
                         let planes = [light.plane(0), light.plane(1), light.plane(2)];
                         census.limited += stored(planes, seen, from);
                     } else {
-                        kernel::percept(form, light, p.map(|p| &*p), td, rgb.each_mut().map(|rgb| &mut rgb[..width]));
-                        census.limited += stored(rgb.each_ref().map(|rgb| &rgb[..width]), seen, from);
+                        kernel::percept(
+                            form,
+                            light,
+                            p.map(|p| &*p),
+                            td,
+                            rgb.each_mut().map(|rgb| &mut rgb[..width]),
+                        );
+                        census.limited +=
+                            stored(rgb.each_ref().map(|rgb| &rgb[..width]), seen, from);
                     }
                 }
                 census
@@ -183,7 +206,8 @@ impl Viewer {
             .reduce(|| Census::EMPTY, Census::and)
     }
 
-    /// The light's way to the retina: cone illuminance of the picture, resampled to the places, moves their pigment.
+    /// The light's way to the retina: cone illuminance of the picture, resampled to the places,
+    /// moves their pigment.
     fn expose(&mut self, glance: &Glance<'_>) -> Census {
         if matches!(glance.model, Model::Unbleached) {
             return Census::EMPTY;
@@ -195,17 +219,26 @@ impl Viewer {
         let advance = self.advance(glance);
         let rule = self.plan.rule(&self.pigments, glance.duration);
         let around = surround.map(|v| v as f32);
-        let field = Field { samples: &self.fields, width: planes.width, height: planes.height, around };
+        let field =
+            Field { samples: &self.fields, width: planes.width, height: planes.height, around };
         let ([x0, y0], [places, _]) = (self.retina.origin(), self.retina.size());
         let rows = self.retina.par_rows_mut().zip(self.plan.ledger.rows_mut()).enumerate();
         let moved = rows.map_init(Room::new, |Room { td, .. }, (row, (p, ledger))| {
             let mut census = Census::EMPTY;
             for ((from, width), left_out) in kernel::tiles(tile, places).zip(ledger) {
-                let at = [(x0 + from as i64) as f64 + shift[0], (y0 + row as i64) as f64 + shift[1]];
+                let at =
+                    [(x0 + from as i64) as f64 + shift[0], (y0 + row as i64) as f64 + shift[1]];
                 field.resample(at, td.each_mut().map(|td| &mut td[..width]));
                 let td = td.each_ref().map(|td| &td[..width]);
                 let p = thirds(p).map(|p| &mut p[from..from + width]);
-                census = census.and(tile::moved(&advance, &rule, left_out, td, td.map(kernel::greatest), p));
+                census = census.and(tile::moved(
+                    &advance,
+                    &rule,
+                    left_out,
+                    td,
+                    td.map(kernel::greatest),
+                    p,
+                ));
             }
             census
         });
@@ -216,7 +249,9 @@ impl Viewer {
     /// the bound of all that lies beyond.
     fn grow(&mut self, glance: &Glance<'_>) {
         let (planes, shift, tile) = (glance.planes, glance.shift, glance.sight.tile());
-        let edge = |i: usize, n: usize| [(-shift[i]).floor() as i64, (n as f64 - 1.0 - shift[i]).ceil() as i64];
+        let edge = |i: usize, n: usize| {
+            [(-shift[i]).floor() as i64, (n as f64 - 1.0 - shift[i]).ceil() as i64]
+        };
         let ([left, right], [top, bottom]) = (edge(0, planes.width), edge(1, planes.height));
         let before = self.retina.size();
         let first = self.retina.cover([left, top], [right, bottom], tile);
@@ -241,18 +276,25 @@ impl Viewer {
     fn illuminate(&mut self, glance: &Glance<'_>) -> Census {
         let planes = glance.planes;
         self.fields.resize(3 * planes.width * planes.height, 0.0);
-        let rows =
-            self.fields.par_chunks_exact_mut(3 * planes.width).enumerate().map_init(Room::new, |room, (y, td)| {
+        let rows = self.fields.par_chunks_exact_mut(3 * planes.width).enumerate().map_init(
+            Room::new,
+            |room, (y, td)| {
                 for (from, width) in glance.sight.tiles(planes.width) {
                     let light = glance.sight.light(planes.row(y), from, width, &mut room.light);
-                    glance.sight.illuminance(light, [from, y], thirds(td).map(|td| &mut td[from..from + width]));
+                    glance.sight.illuminance(
+                        light,
+                        [from, y],
+                        thirds(td).map(|td| &mut td[from..from + width]),
+                    );
                 }
                 Census::of_light(thirds(td).map(|td| kernel::greatest(td)))
-            });
+            },
+        );
         rows.reduce(|| Census::EMPTY, Census::and)
     }
 
-    /// The percept's way back: p is read at the picture's points, and the picture's own light is seen through it.
+    /// The percept's way back: p is read at the picture's points, and the picture's own light is
+    /// seen through it.
     fn perceive<T: Sample>(&self, glance: &Glance<'_>, seen: &mut [T]) -> Census {
         let (planes, shift, pigment) = (glance.planes, glance.shift, self.pigment());
         let [x0, y0] = self.retina.origin();
@@ -266,7 +308,13 @@ impl Viewer {
                     let at = [from as f64 - shift[0] - x0 as f64, y as f64 - shift[1] - y0 as f64];
                     pigment.resample(at, p.each_mut().map(|p| &mut p[..width]));
                     let p = p.each_ref().map(|p| &p[..width]);
-                    kernel::percept(&self.form, light, p, td, rgb.each_mut().map(|rgb| &mut rgb[..width]));
+                    kernel::percept(
+                        &self.form,
+                        light,
+                        p,
+                        td,
+                        rgb.each_mut().map(|rgb| &mut rgb[..width]),
+                    );
                     census.limited += stored(rgb.each_ref().map(|rgb| &rgb[..width]), seen, from);
                 }
                 census
@@ -281,10 +329,20 @@ impl Viewer {
     }
 
     /// Cone illuminance of one point of a picture, td.
-    pub fn illuminance_at(&self, planes: &Planes, pupil: Millimetres, gaze: [f64; 2], [x, y]: [usize; 2]) -> [f64; 3] {
-        let scale = self.vision.observer.directional.mm_per_degree().unwrap_or(0.0) / self.pixels_per_degree;
+    pub fn illuminance_at(
+        &self,
+        planes: &Planes,
+        pupil: Millimetres,
+        gaze: [f64; 2],
+        [x, y]: [usize; 2],
+    ) -> [f64; 3] {
+        let scale = self.vision.observer.directional.mm_per_degree().unwrap_or(0.0)
+            / self.pixels_per_degree;
         let r = Millimetres(scale * (x as f64 - gaze[0]).hypot(y as f64 - gaze[1]));
-        self.vision.illuminance(&self.vision.moments(planes, x, y), &self.vision.illuminance_weights(pupil, r))
+        self.vision.illuminance(
+            &self.vision.moments(planes, x, y),
+            &self.vision.illuminance_weights(pupil, r),
+        )
     }
 
     /// Unbleached fractions at one point of a picture.
@@ -323,8 +381,8 @@ fn thirds<T>(row: &mut [T]) -> [&mut [T]; 3] {
     [first, second, third]
 }
 
-/// Asks for what a tile will want from memory and nobody has asked for yet: where its percept goes, and at the end of
-/// a row the first pigment of the next.
+/// Asks for what a tile will want from memory and nobody has asked for yet: where its percept goes,
+/// and at the end of a row the first pigment of the next.
 #[inline(always)]
 fn ask_for<T>(p: &[f64], seen: &[T], from: usize, width: usize) {
     let row = p.len() / 3;
@@ -349,6 +407,10 @@ fn canvas(recycled: Option<Planes>, like: &Planes, half: bool) -> Planes {
             && matches!(old.samples, Samples::Half(_)) == half
     };
     recycled.filter(fits).unwrap_or_else(|| {
-        if half { Planes::half(like.width, like.height, 3) } else { Planes::float(like.width, like.height, 3) }
+        if half {
+            Planes::half(like.width, like.height, 3)
+        } else {
+            Planes::float(like.width, like.height, 3)
+        }
     })
 }

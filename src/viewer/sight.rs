@@ -20,7 +20,8 @@ pub(super) struct Sight {
 enum Weakening {
     /// At every place alike: weights of the tile's planes for each cone.
     Alike([Vec<f32>; 3]),
-    /// At every place alike, and the tile's planes from this one on are the illuminances but for their floor.
+    /// At every place alike, and the tile's planes from this one on are the illuminances but for
+    /// their floor.
     Summed(usize),
     /// By the distance from the gaze (the paper's reading).
     ByPlace(ByPlace),
@@ -41,14 +42,17 @@ struct ByPlace {
 impl Sight {
     /// Sight that is still to be aimed.
     pub fn new(vision: &Vision) -> Self {
-        let (held, first, planes) = (vision.holds_bands(), vision.first_illuminance(), vision.plane_count());
+        let (held, first, planes) =
+            (vision.holds_bands(), vision.first_illuminance(), vision.plane_count());
         let mm_per_degree = vision.observer.directional.mm_per_degree();
         // Beside the catches: one illuminance a cone, or one for each cone and level.
         let rows = if mm_per_degree.is_some() { vision.moment_count() } else { first + 3 };
         let bands = held.then(|| {
             let mut sums = BandSums::new(rows, planes);
             let kept = if mm_per_degree.is_some() { rows } else { first };
-            (0..kept).for_each(|row| sums.set(row, (0..planes).map(|band| vision.moment_weight(row, band) as f32)));
+            (0..kept).for_each(|row| {
+                sums.set(row, (0..planes).map(|band| vision.moment_weight(row, band) as f32))
+            });
             sums
         });
         let of_planes = || vec![0.0; if held { rows } else { planes }];
@@ -84,7 +88,10 @@ impl Sight {
         match (&mut self.weakening, &mut self.bands) {
             (Weakening::Alike(weights), _) => {
                 for (weights, of_cone) in weights.iter_mut().zip(uniform_weights(vision, pupil)) {
-                    weights.iter_mut().enumerate().for_each(|(plane, weight)| *weight = of_cone(plane));
+                    weights
+                        .iter_mut()
+                        .enumerate()
+                        .for_each(|(plane, weight)| *weight = of_cone(plane));
                 }
             }
             (Weakening::Summed(first), Some(bands)) => {
@@ -93,7 +100,9 @@ impl Sight {
                 }
             }
             (Weakening::Summed(_), None) => {}
-            (Weakening::ByPlace(by_place), _) => by_place.aim(vision, pupil, gaze, pixels_per_degree),
+            (Weakening::ByPlace(by_place), _) => {
+                by_place.aim(vision, pupil, gaze, pixels_per_degree)
+            }
         }
     }
 
@@ -108,18 +117,34 @@ impl Sight {
     }
 
     /// The light of one tile: RGB, or the moments.
-    pub fn light<'a>(&self, row: Row<'a>, from: usize, width: usize, room: &'a mut [f32; ROOM]) -> Strip<'a> {
-        let Some(sums) = &self.bands else { return Strip::of(row, self.planes_in, from, width, room) };
+    pub fn light<'a>(
+        &self,
+        row: Row<'a>,
+        from: usize,
+        width: usize,
+        room: &'a mut [f32; ROOM],
+    ) -> Strip<'a> {
+        let Some(sums) = &self.bands else {
+            return Strip::of(row, self.planes_in, from, width, room);
+        };
         let (projected, converted) = room.split_at_mut(sums.rows() * width);
         sums.project(Strip::of(row, self.planes_in, from, width, converted), projected);
         Strip::whole(projected, width)
     }
 
-    /// Cone illuminance of one tile, td, whose first place is at `x`, `y` of the picture. Returns the greatest.
-    pub fn illuminance(&self, light: Strip<'_>, [x, y]: [usize; 2], td: [&mut [f32]; 3]) -> [f32; 3] {
+    /// Cone illuminance of one tile, td, whose first place is at `x`, `y` of the picture. Returns
+    /// the greatest.
+    pub fn illuminance(
+        &self,
+        light: Strip<'_>,
+        [x, y]: [usize; 2],
+        td: [&mut [f32]; 3],
+    ) -> [f32; 3] {
         match &self.weakening {
             Weakening::Alike(weights) => kernel::illuminance(light, weights, td),
-            Weakening::Summed(first) => kernel::floored([0, 1, 2].map(|k| light.plane(first + k)), td),
+            Weakening::Summed(first) => {
+                kernel::floored([0, 1, 2].map(|k| light.plane(first + k)), td)
+            }
             Weakening::ByPlace(by_place) => by_place.illuminance(light, [x, y], td),
         }
     }
@@ -130,14 +155,18 @@ impl ByPlace {
         self.gaze = gaze;
         self.mm_per_pixel = self.mm_per_degree / pixels_per_degree;
         self.edge = (pupil.0 / 2.0).powi(2);
-        let (held, first, count) = (vision.holds_bands(), vision.first_illuminance(), self.rates.len());
+        let (held, first, count) =
+            (vision.holds_bands(), vision.first_illuminance(), self.rates.len());
         for (k, levels) in self.levels.iter_mut().enumerate() {
             let scale = vision.observer.cone_troland()[k] * crate::eye::pupil::area(pupil);
             for (j, weights) in levels.iter_mut().enumerate() {
                 let row = first + k * count + j;
                 for (plane, weight) in weights.iter_mut().enumerate() {
-                    let of_plane =
-                        if held { f64::from(u8::from(plane == row)) } else { vision.moment_weight(row, plane) };
+                    let of_plane = if held {
+                        f64::from(u8::from(plane == row))
+                    } else {
+                        vision.moment_weight(row, plane)
+                    };
                     *weight = (f64::from(of_plane as f32) * scale) as f32;
                 }
             }
@@ -169,7 +198,8 @@ fn uniform_weights(vision: &Vision, pupil: Millimetres) -> [impl Fn(usize) -> f3
     let levels = vision.illuminance_weights(pupil, Millimetres(0.0));
     [0, 1, 2].map(|k| {
         move |plane: usize| {
-            let of_level = |j: usize| levels[k][j] * vision.moment_weight(first + k * count + j, plane);
+            let of_level =
+                |j: usize| levels[k][j] * vision.moment_weight(first + k * count + j, plane);
             (0..count).map(of_level).sum::<f64>() as f32
         }
     })
@@ -198,11 +228,17 @@ mod tests {
                 let light = sight.light(planes.row(y), from, width, &mut room);
                 sight.illuminance(light, [from, y], td.each_mut().map(|td| &mut td[..width]));
                 for i in (0..width).rev() {
-                    let r = Millimetres(scale * ((from + i) as f64 - GAZE[0]).hypot(y as f64 - GAZE[1]));
+                    let r = Millimetres(
+                        scale * ((from + i) as f64 - GAZE[0]).hypot(y as f64 - GAZE[1]),
+                    );
                     let weights = vision.illuminance_weights(PUPIL, r);
                     let exact = vision.illuminance(&vision.moments(planes, from + i, y), &weights);
                     for (td, exact) in td.iter().zip(exact) {
-                        assert!((f64::from(td[i]) / exact - 1.0).abs() < 1e-5, "{i} {} {exact}", td[i]);
+                        assert!(
+                            (f64::from(td[i]) / exact - 1.0).abs() < 1e-5,
+                            "{i} {} {exact}",
+                            td[i]
+                        );
                     }
                 }
             }
@@ -219,7 +255,10 @@ mod tests {
         for reading in [Reading::Pupil, Reading::Paper { mm_per_degree: 0.29 }, Reading::Off] {
             let mut observer = Observer::standard();
             observer.directional = Directional::new(reading, Steepness::LensCorrected);
-            agrees(&Vision::of_rgb(observer.clone(), &Primaries::REC709, Nits(100.0)).unwrap(), &picture(3));
+            agrees(
+                &Vision::of_rgb(observer.clone(), &Primaries::REC709, Nits(100.0)).unwrap(),
+                &picture(3),
+            );
             let bands = Bands::uniform(395.0, 705.0, 31).unwrap();
             agrees(&Vision::of_held_bands(observer, &bands), &picture(31));
         }

@@ -5,8 +5,8 @@ use crate::kernel;
 use crate::plan::{LeftOut, Rule};
 use crate::retina::{Advance, Model};
 
-/// Moves a tile's L, M, S pigment by its light, td, as far as the rule asks for. `bound`: what the tile may have lost
-/// unseen; `greatest`: of its light.
+/// Moves a tile's L, M, S pigment by its light, td, as far as the rule asks for. `bound`: what the
+/// tile may have lost unseen; `greatest`: of its light.
 pub(super) fn moved(
     advance: &Advance,
     rule: &Rule,
@@ -30,6 +30,7 @@ pub(super) fn moved(
         left_out.followed |= matches!(model, Model::Tracked { .. });
         least[k] = advance.cone(k, model, td[k], p[k]);
     }
-    let s_past_half = if least[2] < 0.5 { p[2].iter().filter(|&&p| p < 0.5).count() as u64 } else { 0 };
+    let s_past_half =
+        if least[2] < 0.5 { p[2].iter().filter(|&&p| p < 0.5).count() as u64 } else { 0 };
     Census { least, s_past_half, left_out, ..census }
 }

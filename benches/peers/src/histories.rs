@@ -1,4 +1,5 @@
-//! Light histories at 25 frames a second (a frame is then a whole number of every peer's fixed steps), and the truth.
+//! Light histories at 25 frames a second (a frame is then a whole number of every peer's fixed
+//! steps), and the truth.
 
 use std::fmt::Write;
 use sungaze::kinetics::Kinetics;

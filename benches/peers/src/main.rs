@@ -1,5 +1,6 @@
-//! `peers histories` prints the light histories; `peers` runs sungaze and the Rust solvers on them and prints rows
-//! `peer,scene,setting,max_abs_error,ns_per_update,note`. An update is one frame of one place.
+//! `peers histories` prints the light histories; `peers` runs sungaze and the Rust solvers on them
+//! and prints rows `peer,scene,setting,max_abs_error,ns_per_update,note`. An update is one frame of
+//! one place.
 
 mod histories;
 

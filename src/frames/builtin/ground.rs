@@ -1,8 +1,10 @@
-//! What lies under the horizon, painted: a sea that mirrors the sky and the sun in its waves, or dark hills.
+//! What lies under the horizon, painted: a sea that mirrors the sky and the sun in its waves, or
+//! dark hills.
 //!
-//! Waves are a sum of sines in `aside/sqrt depth` and `ln depth`: they shorten and narrow toward the horizon, as a sea
-//! does in perspective. A sine fades as it comes near two pixels, exp(-g^2/4) at g radians a pixel, and
-//! brightness is exp(s n - s^2 var/2) of the noise n: so distant waves melt into their own mean, at any width.
+//! Waves are a sum of sines in `aside/sqrt depth` and `ln depth`: they shorten and narrow toward
+//! the horizon, as a sea does in perspective. A sine fades as it comes near two pixels, exp(-g^2/4)
+//! at g radians a pixel, and brightness is exp(s n - s^2 var/2) of the noise n: so distant waves
+//! melt into their own mean, at any width.
 
 use super::light::Mixture;
 use super::sky::sky;
@@ -54,13 +56,15 @@ impl Waves {
         }))
     }
 
-    /// The waves `depth` degrees under the horizon, `aside` of the sun, on pixels of `pixel` degrees.
+    /// The waves `depth` degrees under the horizon, `aside` of the sun, on pixels of `pixel`
+    /// degrees.
     pub fn at(&self, aside: f64, depth: f64, pixel: f64) -> Swell {
         let far = 1.0 / (depth + EDGE_DEG);
         let (u, v) = (aside * far.sqrt(), -far.ln());
         let mut swell = Swell { height: 0.0, variance: 0.0 };
         for train in &self.0 {
-            let slope = [train.across * far.sqrt(), (train.along - 0.5 * train.across * u) * far].map(|g| g * pixel);
+            let slope = [train.across * far.sqrt(), (train.along - 0.5 * train.across * u) * far]
+                .map(|g| g * pixel);
             let height = train.height * (-(slope[0] * slope[0] + slope[1] * slope[1]) / 4.0).exp();
             if height > 1e-4 {
                 swell.height += height * (train.across * u + train.along * v + train.phase).sin();
@@ -89,7 +93,9 @@ pub(super) fn sea(waves: &Waves, aside: f64, depth: f64, sun_deg: f64, pixel: f6
 
 /// Height of the hills' outline over the horizon, degrees.
 pub(super) fn hills(aside: f64) -> f64 {
-    let rolling = 0.5 * (1.1 * aside + 0.4).sin() + 0.3 * (2.7 * aside + 2.0).sin() + 0.12 * (6.1 * aside).sin();
+    let rolling = 0.5 * (1.1 * aside + 0.4).sin()
+        + 0.3 * (2.7 * aside + 2.0).sin()
+        + 0.12 * (6.1 * aside).sin();
     let trees = 0.010 * (41.0 * aside).sin() + 0.008 * (67.0 * aside + 1.0).sin();
     0.12 * rolling.abs() * (aside / 1.2).powi(2).min(2.5) + trees * (aside / 1.5).powi(2).min(1.0)
 }
@@ -110,8 +116,15 @@ mod tests {
     fn waves_melt_into_their_mean_toward_the_horizon() {
         let waves = Waves::new();
         let variance = |depth| waves.at(0.7, depth, 8.0 / 480.0).variance;
-        assert!(variance(0.02) < 0.1 && variance(2.0) > 0.5, "{} {}", variance(0.02), variance(2.0));
-        let places = (0..100).flat_map(|i| (0..400).map(move |j| (0.2 * f64::from(j) - 40.0, 0.3 * 1.023f64.powi(i))));
+        assert!(
+            variance(0.02) < 0.1 && variance(2.0) > 0.5,
+            "{} {}",
+            variance(0.02),
+            variance(2.0)
+        );
+        let places = (0..100).flat_map(|i| {
+            (0..400).map(move |j| (0.2 * f64::from(j) - 40.0, 0.3 * 1.023f64.powi(i)))
+        });
         let sum: f64 = places.map(|(aside, depth)| waves.at(aside, depth, 1e-3).glint(0.5)).sum();
         assert!((sum / 40_000.0 - 1.0).abs() < 0.05, "{}", sum / 40_000.0);
     }
@@ -120,6 +133,9 @@ mod tests {
     fn the_sun_has_a_path_over_the_sea() {
         let waves = Waves::new();
         let at = |aside, depth| sea(&waves, aside, depth, 0.5, 8.0 / 480.0);
-        assert!((0..20).all(|i| at(0.0, 0.1 * f64::from(i)).sun > 100.0 * at(3.0, 0.1 * f64::from(i)).sun));
+        assert!(
+            (0..20)
+                .all(|i| at(0.0, 0.1 * f64::from(i)).sun > 100.0 * at(3.0, 0.1 * f64::from(i)).sun)
+        );
     }
 }

@@ -1,5 +1,5 @@
-//! The few lights that the scene is mixed of. Since a frame is projected linearly, each light is projected once, and
-//! a pixel is a sum of as many products.
+//! The few lights that the scene is mixed of. Since a frame is projected linearly, each light is
+//! projected once, and a pixel is a sum of as many products.
 
 use super::sun;
 use crate::light::Projection;
@@ -48,17 +48,31 @@ impl Mixture {
     }
 }
 
-/// Spectra of one cd/m2 of each light, in the order of [`Mixture::as_array`], for a sun at an elevation.
+/// Spectra of one cd/m2 of each light, in the order of [`Mixture::as_array`], for a sun at an
+/// elevation.
 pub(super) fn spectra(bands: &Bands, elevation_deg: f64, turbidity: f64) -> [Vec<f64>; LIGHTS] {
-    let disc: Vec<f64> =
-        bands.as_slice().iter().map(|band| sun::radiance(band.centre, elevation_deg, turbidity)).collect();
+    let disc: Vec<f64> = bands
+        .as_slice()
+        .iter()
+        .map(|band| sun::radiance(band.centre, elevation_deg, turbidity))
+        .collect();
     let nits = sun::luminance(bands, &disc);
-    let scattered = |higher: f64, blue: f64| sun::scattered(bands, (elevation_deg + higher).min(90.0), turbidity, blue);
-    [disc.into_iter().map(|v| v / nits).collect(), scattered(3.5, 0.2), scattered(9.0, 0.25), scattered(22.0, 0.8)]
+    let scattered = |higher: f64, blue: f64| {
+        sun::scattered(bands, (elevation_deg + higher).min(90.0), turbidity, blue)
+    };
+    [
+        disc.into_iter().map(|v| v / nits).collect(),
+        scattered(3.5, 0.2),
+        scattered(9.0, 0.25),
+        scattered(22.0, 0.8),
+    ]
 }
 
 /// What a projection keeps of spectra, one run of planes for each.
-pub(super) fn projected(spectra: &[Vec<f64>; LIGHTS], projection: &Projection) -> [Vec<f32>; LIGHTS] {
+pub(super) fn projected(
+    spectra: &[Vec<f64>; LIGHTS],
+    projection: &Projection,
+) -> [Vec<f32>; LIGHTS] {
     std::array::from_fn(|i| {
         let bands: Vec<f32> = spectra[i].iter().map(|&v| v as f32).collect();
         let mut planes = vec![0.0; projection.rows];

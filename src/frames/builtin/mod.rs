@@ -1,7 +1,7 @@
 //! The built-in scene: a low sun over the sea, or over land, as spectral radiance.
 //!
-//! The sun's disc is exact within the model of `sun`; sky, sea and land are painted with light scattered out of the
-//! same sun. The picture is 8 degrees across, the sun in its middle.
+//! The sun's disc is exact within the model of `sun`; sky, sea and land are painted with light
+//! scattered out of the same sun. The picture is 8 degrees across, the sun in its middle.
 
 mod ground;
 mod light;
@@ -19,7 +19,8 @@ use super::{Footage, Header, Kind};
 /// Width of the scene, degrees.
 pub const FIELD_DEG: f64 = 8.0;
 
-/// Luminance of the sun half a degree up under a turbidity of 2.5, for which the sky is painted, cd/m2.
+/// Luminance of the sun half a degree up under a turbidity of 2.5, for which the sky is painted,
+/// cd/m2.
 const USUAL_SUN: f64 = 6.2e5;
 
 pub use sun::radiance as sun_radiance;
@@ -51,9 +52,13 @@ impl Sunset {
     /// The scene at a width in pixels; the height is nine sixteenths of it.
     pub fn new(width: usize, elevation_deg: f64, turbidity: f64, ground: Ground) -> Self {
         let bands = bands();
-        let disc: Vec<f64> =
-            bands.as_slice().iter().map(|band| sun::radiance(band.centre, elevation_deg, turbidity)).collect();
-        let (sun, spectra) = (sun::luminance(&bands, &disc), light::spectra(&bands, elevation_deg, turbidity));
+        let disc: Vec<f64> = bands
+            .as_slice()
+            .iter()
+            .map(|band| sun::radiance(band.centre, elevation_deg, turbidity))
+            .collect();
+        let (sun, spectra) =
+            (sun::luminance(&bands, &disc), light::spectra(&bands, elevation_deg, turbidity));
         let header = Header {
             width,
             height: (width * 9 / 16).max(1),
@@ -71,7 +76,8 @@ impl Sunset {
 
     /// Elevation of a row, degrees; negative below the horizon.
     fn above(&self, y: f64) -> f64 {
-        self.elevation_deg - (y - (self.header.height as f64 - 1.0) / 2.0) * self.degrees_per_pixel()
+        self.elevation_deg
+            - (y - (self.header.height as f64 - 1.0) / 2.0) * self.degrees_per_pixel()
     }
 
     /// Horizontal distance of a column from the sun, degrees.
@@ -99,7 +105,9 @@ impl Sunset {
         }
         if open < 1.0 {
             let ground = match self.ground {
-                Ground::Sea => ground::sea(&self.waves, aside, (-above).max(0.0), self.elevation_deg, pixel),
+                Ground::Sea => {
+                    ground::sea(&self.waves, aside, (-above).max(0.0), self.elevation_deg, pixel)
+                }
                 Ground::Land => ground::land(aside, above, self.elevation_deg),
             };
             light = light.plus(ground.times((1.0 - open) * sky_light));
@@ -107,7 +115,8 @@ impl Sunset {
         light
     }
 
-    /// Luminance of the disc in a pixel, the mean over its area of what stands over the horizon, cd/m2.
+    /// Luminance of the disc in a pixel, the mean over its area of what stands over the horizon,
+    /// cd/m2.
     fn disc(&self, aside: f64, above: f64) -> f64 {
         let pixel = self.degrees_per_pixel();
         if aside.hypot(above - self.elevation_deg) > sun::RADIUS_DEG + pixel {
@@ -117,7 +126,11 @@ impl Sunset {
         let sample = |i: usize| {
             let (aside, above) = (aside + offset(i % SIDE), above + offset(i / SIDE));
             let open = above >= self.outline(aside);
-            if open { sun::limb(aside.hypot(above - self.elevation_deg) / sun::RADIUS_DEG) } else { 0.0 }
+            if open {
+                sun::limb(aside.hypot(above - self.elevation_deg) / sun::RADIUS_DEG)
+            } else {
+                0.0
+            }
         };
         self.sun * (0..SIDE * SIDE).map(sample).sum::<f64>() / (SIDE * SIDE) as f64
     }
@@ -155,14 +168,27 @@ impl Footage for Sunset {
         1
     }
 
-    fn read(&self, _: usize, projection: Option<&Projection>, recycled: Option<Planes>) -> Result<Frame, Error> {
+    fn read(
+        &self,
+        _: usize,
+        projection: Option<&Projection>,
+        recycled: Option<Planes>,
+    ) -> Result<Frame, Error> {
         use rayon::prelude::*;
         let Some(projection) = projection else {
-            return Err(Error::file("the built-in sunset", "is spectral; it cannot be read as RGB"));
+            return Err(Error::file(
+                "the built-in sunset",
+                "is spectral; it cannot be read as RGB",
+            ));
         };
         let (width, height) = (self.header.width, self.header.height);
         let mut planes = match recycled {
-            Some(planes) if (planes.width, planes.height, planes.count) == (width, height, projection.rows) => planes,
+            Some(planes)
+                if (planes.width, planes.height, planes.count)
+                    == (width, height, projection.rows) =>
+            {
+                planes
+            }
             _ => Planes::float(width, height, projection.rows),
         };
         let lights = light::projected(&self.spectra, projection);
@@ -170,7 +196,9 @@ impl Footage for Sunset {
             let rows = samples.par_chunks_exact_mut(projection.rows * width).enumerate();
             rows.for_each(|(y, row)| {
                 self.paint_row(y, &lights, row);
-                projection.kept_columns(y).for_each(|x| projection.remember(y, x, &self.spectrum(x, y)));
+                projection
+                    .kept_columns(y)
+                    .for_each(|x| projection.remember(y, x, &self.spectrum(x, y)));
             });
         }
         Ok(Frame { planes, tally: Tally::default() })
@@ -201,7 +229,8 @@ mod tests {
             let scene = Sunset::new(width, 2.0, 2.5, Ground::Land);
             let (height, pixel) = (scene.header.height, scene.degrees_per_pixel());
             let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-            let sum: f64 = places.map(|(x, y)| scene.disc(scene.aside(x), scene.above(y as f64))).sum();
+            let sum: f64 =
+                places.map(|(x, y)| scene.disc(scene.aside(x), scene.above(y as f64))).sum();
             let flux = sum * pixel * pixel / (std::f64::consts::PI * sun::RADIUS_DEG.powi(2));
             assert!((flux / scene.sun - 1.0).abs() < 0.02, "{width}: {flux} of {}", scene.sun);
         }
@@ -213,7 +242,10 @@ mod tests {
             for ground in [Ground::Sea, Ground::Land] {
                 let planes = frame(&Sunset::new(16, elevation, 2.5, ground));
                 let Samples::Float(samples) = planes.samples else { unreachable!() };
-                assert!(samples.iter().all(|v| v.is_finite() && *v >= 0.0), "{elevation} {ground:?}");
+                assert!(
+                    samples.iter().all(|v| v.is_finite() && *v >= 0.0),
+                    "{elevation} {ground:?}"
+                );
                 assert!(samples.iter().any(|v| *v > 0.0));
             }
         }

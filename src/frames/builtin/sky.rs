@@ -1,7 +1,8 @@
 //! The sky around a low sun, painted: luminances in cd/m2 of three lights that were scattered once.
 //!
-//! Beside the sun 1e3..1e4, elsewhere a hundred or so, for the sun half a degree up; other suns light their sky in
-//! proportion to the square root of their own luminance, which joins dusk to noon.
+//! Beside the sun 1e3..1e4, elsewhere a hundred or so, for the sun half a degree up; other suns
+//! light their sky in proportion to the square root of their own luminance, which joins dusk to
+//! noon.
 
 use super::light::Mixture;
 
@@ -29,8 +30,13 @@ mod tests {
 
     #[test]
     fn the_sky_pales_away_from_the_sun_and_turns_to_the_blue_of_air() {
-        let steps: Vec<Mixture> = (1..40).map(|i| sky(0.2 * f64::from(i), 0.5 + 0.2 * f64::from(i))).collect();
+        let steps: Vec<Mixture> =
+            (1..40).map(|i| sky(0.2 * f64::from(i), 0.5 + 0.2 * f64::from(i))).collect();
         assert!(steps.windows(2).all(|pair| pair[1].nits() < pair[0].nits()));
-        assert!(steps.windows(2).all(|pair| pair[1].air / pair[1].nits() > pair[0].air / pair[0].nits()));
+        assert!(
+            steps
+                .windows(2)
+                .all(|pair| pair[1].air / pair[1].nits() > pair[0].air / pair[0].nits())
+        );
     }
 }

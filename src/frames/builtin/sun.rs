@@ -7,8 +7,9 @@
 //! limb   mu^alpha (2 + alpha)/2, alpha = -0.023 + 0.292/l          (Hestroffer & Magnan 1998, A&A 333, 338)
 //! ```
 //!
-//! The disc has one spectrum, that of the elevation of its centre: an eye that stares at it bleaches evenly. Its limb
-//! darkens alike at all wavelengths, by the law at 600 nm, where the low sun shines.
+//! The disc has one spectrum, that of the elevation of its centre: an eye that stares at it
+//! bleaches evenly. Its limb darkens alike at all wavelengths, by the law at 600 nm, where the low
+//! sun shines.
 
 use crate::spectrum::{Bands, CIE1931, SOLAR};
 use crate::units::LUMENS_PER_WATT;
@@ -39,14 +40,15 @@ pub fn radiance(nm: f64, elevation_deg: f64, turbidity: f64) -> f64 {
     SOLAR.interpolated("irradiance", nm) / SOLID_ANGLE * transmittance(nm, elevation_deg, turbidity)
 }
 
-/// Brightness at a distance from the disc's centre (in its radii) over the disc's mean; none outside.
+/// Brightness at a distance from the disc's centre (in its radii) over the disc's mean; none
+/// outside.
 pub(super) fn limb(from_centre: f64) -> f64 {
     let mu_squared = 1.0 - from_centre * from_centre;
     if mu_squared > 0.0 { mu_squared.powf(LIMB / 2.0) * (2.0 + LIMB) / 2.0 } else { 0.0 }
 }
 
-/// Sunlight that came through the air at an elevation and was scattered once: a spectrum of one cd/m2. `blue`: the
-/// share of scattering by air; haze does the rest.
+/// Sunlight that came through the air at an elevation and was scattered once: a spectrum of one
+/// cd/m2. `blue`: the share of scattering by air; haze does the rest.
 pub(super) fn scattered(bands: &Bands, elevation_deg: f64, turbidity: f64, blue: f64) -> Vec<f64> {
     let spectrum = bands.as_slice().iter().map(|band| {
         let l = band.centre / 550.0;
@@ -73,12 +75,15 @@ fn air_mass(elevation_deg: f64) -> f64 {
 fn transmittance(nm: f64, elevation_deg: f64, turbidity: f64) -> f64 {
     let l = nm / 1000.0;
     let beta = (0.0461 * turbidity - 0.0459).max(0.0);
-    (-air_mass(elevation_deg) * (0.008735 * l.powf(-4.08) + beta * l.powf(-1.3) + 0.35 * ozone(nm))).exp()
+    (-air_mass(elevation_deg) * (0.008735 * l.powf(-4.08) + beta * l.powf(-1.3) + 0.35 * ozone(nm)))
+        .exp()
 }
 
 fn ozone(nm: f64) -> f64 {
     let inside = OZONE.windows(2).find(|pair| (pair[0].0..pair[1].0).contains(&nm));
-    inside.map_or(0.0, |pair| pair[0].1 + (pair[1].1 - pair[0].1) * (nm - pair[0].0) / (pair[1].0 - pair[0].0))
+    inside.map_or(0.0, |pair| {
+        pair[0].1 + (pair[1].1 - pair[0].1) * (nm - pair[0].0) / (pair[1].0 - pair[0].0)
+    })
 }
 
 #[cfg(test)]
@@ -91,7 +96,9 @@ mod tests {
     #[test]
     fn the_low_sun_is_as_bright_as_published() {
         // model.md 9, T = 2.5, +-15 %.
-        for (elevation, nits) in [(0.5, 6.7e5), (1.0, 2.2e6), (2.0, 1.2e7), (5.0, 1.3e8), (10.0, 4.6e8)] {
+        for (elevation, nits) in
+            [(0.5, 6.7e5), (1.0, 2.2e6), (2.0, 1.2e7), (5.0, 1.3e8), (10.0, 4.6e8)]
+        {
             let y = |nm: f64| CIE1931.interpolated("y", nm) * radiance(nm, elevation, 2.5);
             let ours = LUMENS_PER_WATT * (360..830).map(|nm| y(f64::from(nm))).sum::<f64>();
             assert!((ours / nits - 1.0).abs() < 0.15, "{elevation}: {ours:e} against {nits:e}");
@@ -111,14 +118,19 @@ mod tests {
         let radii = (0..2000).map(|i| (f64::from(i) + 0.5) / 2000.0);
         let mean: f64 = radii.map(|r| 2.0 * r / 2000.0 * limb(r)).sum();
         assert!((mean - 1.0).abs() < 1e-3, "{mean}");
-        assert!(limb(0.0) > limb(0.6) && limb(0.6) > limb(0.95) && limb(0.95) > 0.5 && limb(1.0) == 0.0);
+        assert!(
+            limb(0.0) > limb(0.6) && limb(0.6) > limb(0.95) && limb(0.95) > 0.5 && limb(1.0) == 0.0
+        );
     }
 
     #[test]
     fn scattered_light_is_of_one_candela_and_bluer_the_more_air_scatters() {
         let bands = Bands::uniform(390.0, 730.0, 68).unwrap();
         let (haze, air) = (scattered(&bands, 10.0, 2.5, 0.0), scattered(&bands, 10.0, 2.5, 1.0));
-        assert!((luminance(&bands, &haze) - 1.0).abs() < 1e-12 && (luminance(&bands, &air) - 1.0).abs() < 1e-12);
+        assert!(
+            (luminance(&bands, &haze) - 1.0).abs() < 1e-12
+                && (luminance(&bands, &air) - 1.0).abs() < 1e-12
+        );
         assert!(air[10] > 1.5 * haze[10] && air[60] < haze[60]);
     }
 }
