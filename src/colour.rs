@@ -1,12 +1,29 @@
 //! Three by three matrices between colour spaces.
 
-use crate::light::Primaries;
-
 /// A matrix, rows first.
 pub type Matrix = [[f64; 3]; 3];
 
 /// The identity.
 pub const IDENTITY: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// Red, green, blue and white chromaticities, CIE 1931 x, y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Primaries {
+    pub red: [f64; 2],
+    pub green: [f64; 2],
+    pub blue: [f64; 2],
+    pub white: [f64; 2],
+}
+
+impl Primaries {
+    /// ITU-R BT.709 / sRGB with D65: what an OpenEXR file without `chromaticities` means.
+    pub const REC709: Primaries = Primaries {
+        red: [0.64, 0.33],
+        green: [0.30, 0.60],
+        blue: [0.15, 0.06],
+        white: [0.3127, 0.3290],
+    };
+}
 
 /// Matrix times vector.
 pub fn apply(m: &Matrix, v: [f64; 3]) -> [f64; 3] {

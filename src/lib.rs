@@ -10,11 +10,11 @@
 //! ```text
 //! frames::Footage      a file is decoded block by block; spectral blocks are projected at once onto a few moments
 //!   light::Planes      the frame: RGB in the file's own numbers, or the moments of its spectra
-//!   display::Survey    its luminances: the pupil's and the display's view of it
-//!   eye::Pupil         adapting luminance -> diameter
-//!   viewer::Viewer     row by row:
+//!   light::Survey      its luminances: the pupil's and the display's view of it
+//!   observer::Pupil         adapting luminance -> diameter
+//!   eye::Viewer        row by row:
 //!     kernel::illuminance     light x pupil x Stiles-Crawford weight -> trolands in each class of cones
-//!     retina::Advance         trolands move the unbleached fraction p: kinetics (which law) by step (which method)
+//!     eye::retina::Advance         trolands move the unbleached fraction p: kinetics (which law) by step (which method)
 //!     kernel::percept         the light seen through what pigment is left; the light itself where none is gone
 //!   display::Display   unbleached light -> tone map (slow); percept -> sRGB
 //!   frames::write_exr, write_png
@@ -27,17 +27,17 @@
 //! | room | holds | to add |
 //! |---|---|---|
 //! | [`units`], [`error`], [`spectrum`], [`colour`], [`light`] | one-field unit types, the one error enum, wavelengths and tables, 3x3 matrices, planes of a frame | a published table: a CSV in `data/` and a line in [`spectrum`] |
-//! | [`eye`] | the observer: fundamentals, pupil, Stiles-Crawford effect | a pupil formula: a variant of [`eye::Rule`] |
+//! | [`observer`] | the observer: fundamentals, pupil, Stiles-Crawford effect | a pupil formula: a variant of [`observer::Rule`] |
 //! | [`constants`] | published constants by name | a row |
 //! | [`kinetics`] | the laws, as two rates | a variant of [`kinetics::Law`] |
 //! | [`step`] | the methods, as pure functions with a row of theory each | one function and one row of [`step::METHODS`]; the tests and charts go over the table |
-//! | [`percept`] | moments, cone illuminance and catches: the scalar truth | |
+//! | [`vision`] | moments, cone illuminance and catches: the scalar truth | |
 //! | [`kernel`] | the row loops; the only room where speed is written, and `unsafe` allowed | |
-//! | [`retina`], [`viewer`] | pigment at every place; a look, with a still or a moving gaze | |
+//! | [`eye`] | pigment at every place; a look, with a still or a moving gaze | |
 //! | [`display`] | tone reproduction, gamut, encoding | |
 //! | [`frames`] | files in and out, the built-in scene | a file format: a reader that implements [`frames::Footage`] |
 //! | [`config`] | TOML -> everything above | a key: a field in `config/settings.rs`, a range in `check.rs` |
-//! | [`plan`], [`check`] | what may be left out and at what cost; a few hundred places at full model beside the run | |
+//! | [`eye::plan`], [`eye::check`] | what may be left out and at what cost; a few hundred places at full model beside the run | |
 //! | [`run`] | the loop: reader, eye, writer; checkpoints, report | |
 //! | [`sweep`] | cases and durations, their table and contact sheet | |
 //! | [`validate`] | what the program computes beside what it should | a check: a row in the file of its topic |
@@ -45,7 +45,7 @@
 //!
 //! # Invariants
 //!
-//! Kept by tests, and worth keeping in mind when changing anything:
+//! SampledSpectra by tests, and worth keeping in mind when changing anything:
 //!
 //! * An unbleached retina returns its input exactly, bit for bit, at any gaze.
 //! * p stays within 0..1; with the exact step it does so without a clamp.
@@ -55,7 +55,7 @@
 //! * A plan promises only what its bound covers.
 //! * Memory does not grow with the number of frames, and a look allocates only where the retina
 //!   grows. Files appear whole or not at all.
-//! * Below [`retina`] nothing loops over pixels but [`kernel`]; below [`frames`] nothing touches a
+//! * Below [`eye`] nothing loops over pixels but [`kernel`]; below [`frames`] nothing touches a
 //!   file.
 //! * `exr` and `image` are named in [`frames`] only, `toml` in [`config`] only, `clap` in the
 //!   program only.
@@ -65,12 +65,11 @@
 //!
 //! *One luminance everywhere*: V is the Y row of the observer's own LMS -> XYZ, 10.9 % above CIE
 //! 1931 for equal-energy light. *One cone troland*: an equal-energy light of 1 td gives 1 in every
-//! class ([`eye::Observer::cone_troland`]); multiplying a luminance by a fundamental, as the paper
+//! class ([`observer::Observer::cone_troland`]); multiplying a luminance by a fundamental, as the paper
 //! of 2005 writes it, would count V twice. The effect of the pupil's margin (Stiles-Crawford)
 //! enters the trolands only, never the percept.
 
 pub mod chart;
-pub mod check;
 pub mod colour;
 pub mod config;
 pub mod constants;
@@ -81,15 +80,13 @@ pub mod frames;
 pub mod kernel;
 pub mod kinetics;
 pub mod light;
+pub mod observer;
 #[doc = include_str!("paper.md")]
 pub mod paper {}
-pub mod percept;
-pub mod plan;
-pub mod retina;
 pub mod run;
 pub mod spectrum;
 pub mod step;
 pub mod sweep;
 pub mod units;
 pub mod validate;
-pub mod viewer;
+pub mod vision;

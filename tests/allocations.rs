@@ -1,16 +1,17 @@
 //! A look makes no room of its own: what it needs from frame to frame is there from the first one
 //! on.
 
-use sungaze::eye::{Directional, Observer, Reading, Steepness};
+use sungaze::colour::Primaries;
+use sungaze::eye::plan::Plan;
+use sungaze::eye::retina::{Model, Retina};
+use sungaze::eye::{Viewer, survey};
 use sungaze::kinetics::Kinetics;
-use sungaze::light::{Planes, Primaries, Samples};
-use sungaze::percept::Vision;
-use sungaze::plan::Plan;
-use sungaze::retina::{Model, Retina};
+use sungaze::light::{Planes, Samples};
+use sungaze::observer::{Directional, Observer, Reading, Steepness};
 use sungaze::spectrum::Bands;
 use sungaze::step::Method;
 use sungaze::units::{Nits, Seconds, Trolands};
-use sungaze::viewer::{Viewer, survey};
+use sungaze::vision::Vision;
 
 const WIDTH: usize = 600;
 const HEIGHT: usize = 40;

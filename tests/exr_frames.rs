@@ -3,12 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use half::f16;
+use sungaze::colour::Primaries;
 use sungaze::frames::{
     About, ChannelNames, Compression, Footage, Header, Kind, Negative, NonFinite, Quantity,
     ReadOptions, Wanted, open, read_exr, write_exr,
 };
-use sungaze::light::{Frame, Planes, Primaries, Projection, Samples};
+use sungaze::light::{Frame, Planes, Samples};
 use sungaze::units::Nits;
+use sungaze::vision::Projection;
 
 fn data(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data").join(name)

@@ -2,15 +2,16 @@
 
 use proptest::prelude::*;
 
-use sungaze::check;
-use sungaze::eye::{Directional, Observer, Reading, Steepness};
+use sungaze::colour::Primaries;
+use sungaze::eye::check;
+use sungaze::eye::retina::{Model, Retina};
+use sungaze::eye::{self, Viewer};
 use sungaze::kinetics::Kinetics;
-use sungaze::light::{Planes, Primaries, Samples};
-use sungaze::percept::Vision;
-use sungaze::retina::{Model, Retina};
+use sungaze::light::{Planes, Samples};
+use sungaze::observer::{Directional, Observer, Reading, Steepness};
 use sungaze::step::Method;
 use sungaze::units::{Nits, Seconds, Trolands};
-use sungaze::viewer::{self, Viewer};
+use sungaze::vision::Vision;
 
 const WIDTH: usize = 12;
 const HEIGHT: usize = 7;
@@ -40,7 +41,7 @@ fn picture(f: impl Fn(usize, usize, usize) -> f32) -> Planes {
 }
 
 fn look(viewer: &mut Viewer, planes: &Planes, gaze: [f64; 2]) -> Planes {
-    let survey = viewer::survey(&viewer.vision, planes, viewer.pixels_per_degree);
+    let survey = eye::survey(&viewer.vision, planes, viewer.pixels_per_degree);
     viewer.look(planes, &survey, gaze, Seconds(0.5), None).seen
 }
 
@@ -81,9 +82,10 @@ fn a_whole_pixel_move_is_the_still_gaze_at_a_picture_moved_the_other_way() {
     let (mut a, mut b) = (viewer(tracked()), viewer(tracked()));
     let dark = picture(|_, _, _| 0.0);
     for eye in [&mut a, &mut b] {
-        eye.vision.observer.pupil = sungaze::eye::Rule::Fixed(sungaze::units::Millimetres(3.0));
+        eye.vision.observer.pupil =
+            sungaze::observer::Rule::Fixed(sungaze::units::Millimetres(3.0));
         eye.pupil =
-            sungaze::eye::Pupil::new(eye.vision.observer.pupil, eye.vision.observer.dynamics);
+            sungaze::observer::Pupil::new(eye.vision.observer.pupil, eye.vision.observer.dynamics);
         look(eye, &dark, [5.0, 3.0]);
     }
     look(&mut a, &light, [7.0, 3.0]);
@@ -137,7 +139,7 @@ fn checked(method: &str, reading: Reading) -> f64 {
     let mut eye = Viewer::new(vision, pigments, model, Retina::rested(WIDTH, HEIGHT), 2.0);
     eye.surround = Nits(300.0);
     let light = some_picture();
-    let survey = viewer::survey(&eye.vision, &light, eye.pixels_per_degree);
+    let survey = eye::survey(&eye.vision, &light, eye.pixels_per_degree);
     let mut check = eye.check(&check::places(&eye.vision, &light));
     for i in 0..8 {
         let gaze = [4.0 + 1.3 * f64::from(i), 3.0 - 0.7 * f64::from(i)];

@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use sungaze::colour::Primaries;
 use sungaze::frames::{Footage, Kind, Negative, Quantity, ReadOptions, Wanted, open, write_png};
-use sungaze::light::{Frame, Primaries};
+use sungaze::light::Frame;
 
 fn opened(path: &Path, options: &ReadOptions) -> Box<dyn Footage> {
     open(&[path.to_owned()], options).unwrap_or_else(|error| panic!("{error}"))

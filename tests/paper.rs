@@ -5,17 +5,18 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use sungaze::colour::Primaries;
 use sungaze::config::Config;
 use sungaze::config::settings::{DirectionalKey, NarrowingKey, PupilKey, SetKey, Steep, SteepWord};
-use sungaze::eye::{
+use sungaze::frames::{About, Compression, write_exr};
+use sungaze::light::{Planes, Samples};
+use sungaze::observer::{
     Adapting, Directional, Field, Narrowing, Observer, Reading, Rule, Set, Steepness,
 };
-use sungaze::frames::{About, Compression, write_exr};
-use sungaze::light::{Planes, Primaries, Samples};
-use sungaze::percept::{LEVEL_BOUND, Vision};
 use sungaze::run::{self, Existing, Unwatched};
 use sungaze::spectrum::Curve;
 use sungaze::units::{LUMENS_PER_WATT, Millimetres, Nits};
+use sungaze::vision::{LEVEL_BOUND, Vision};
 
 const NM: std::ops::RangeInclusive<usize> = 390..=830;
 const WIDTH: usize = 7;

@@ -1,15 +1,16 @@
 //! What `auto` leaves out, and that what it keeps is right.
 
-use sungaze::eye::{Observer, Rule};
+use sungaze::colour::Primaries;
+use sungaze::eye::plan::{Plan, SUBSTEPS};
+use sungaze::eye::retina::{Model, Retina};
+use sungaze::eye::{Look, Viewer, survey};
 use sungaze::kinetics::Kinetics;
-use sungaze::light::{Planes, Primaries, Samples};
-use sungaze::percept::Vision;
-use sungaze::plan::{Plan, SUBSTEPS};
-use sungaze::retina::{Model, Retina};
+use sungaze::light::{Planes, Samples};
+use sungaze::observer::{Observer, Rule};
 use sungaze::spectrum::Bands;
 use sungaze::step::{self, Method};
 use sungaze::units::{Millimetres, Nits, Seconds, Trolands};
-use sungaze::viewer::{Look, Viewer, survey};
+use sungaze::vision::Vision;
 
 const BUDGET: f64 = 1e-3;
 const FRAME: Seconds = Seconds(1.0 / 24.0);

@@ -1,15 +1,16 @@
 //! A plan promises only what its bound covers: 200 random scenes against the full model.
 
-use sungaze::eye::{Observer, Rule};
+use sungaze::colour::Primaries;
+use sungaze::eye::plan::{Plan, SUBSTEPS};
+use sungaze::eye::retina::{Model, Retina};
+use sungaze::eye::{Viewer, survey};
 use sungaze::kinetics::{Kinetics, Law};
-use sungaze::light::{Planes, Primaries, Samples};
-use sungaze::percept::Vision;
-use sungaze::plan::{Plan, SUBSTEPS};
-use sungaze::retina::{Model, Retina};
+use sungaze::light::{Planes, Samples};
+use sungaze::observer::{Observer, Rule};
 use sungaze::spectrum::Curve;
 use sungaze::step::{self, Method};
 use sungaze::units::{Millimetres, Nits, Seconds, Trolands};
-use sungaze::viewer::{Viewer, survey};
+use sungaze::vision::Vision;
 
 const WIDTH: usize = 40;
 const HEIGHT: usize = 25;

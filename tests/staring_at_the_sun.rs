@@ -3,8 +3,8 @@
 
 use sungaze::colour::{apply, chromaticity};
 use sungaze::constants;
-use sungaze::eye::{Directional, Observer, Reading, Steepness};
 use sungaze::kinetics::Kinetics;
+use sungaze::observer::{Directional, Observer, Reading, Steepness};
 use sungaze::spectrum::{Curve, SOLAR};
 use sungaze::step::advance;
 use sungaze::units::{Millimetres, Seconds, Trolands};

@@ -5,17 +5,19 @@ mod files;
 
 use half::f16;
 use rayon::prelude::*;
-use sungaze::display::{Display, Survey};
-use sungaze::eye::Observer;
+use sungaze::colour::Primaries;
+use sungaze::display::Display;
+use sungaze::eye::retina::{Model, Retina};
+use sungaze::eye::{Viewer, survey};
 use sungaze::kernel::{self, FirstOrderForm};
 use sungaze::kinetics::Kinetics;
-use sungaze::light::{Planes, Primaries, Samples};
-use sungaze::percept::Vision;
-use sungaze::retina::{Model, Retina};
+use sungaze::light::Survey;
+use sungaze::light::{Planes, Samples};
+use sungaze::observer::Observer;
 use sungaze::spectrum::Bands;
 use sungaze::step::Method;
 use sungaze::units::{Nits, Seconds, Trolands};
-use sungaze::viewer::{Viewer, survey};
+use sungaze::vision::Vision;
 
 const FRAME: Seconds = Seconds(1.0 / 24.0);
 

@@ -1,8 +1,8 @@
 //! CIEDE2000, the difference of two colours as seen (CIE 142-2001; Sharma, Wu & Dalal 2005), of
 //! sRGB pictures.
 
+use crate::colour::Primaries;
 use crate::colour::{apply, rgb_to_xyz};
-use crate::light::Primaries;
 
 /// CIELAB of an 8-bit sRGB colour, D65.
 pub(super) fn lab(srgb: [u8; 3]) -> [f64; 3] {

@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use crate::error::Result;
-use crate::eye::directional::eta;
-use crate::eye::{Field, Fundamentals, Reading, Set, Steepness};
+use crate::observer::directional::eta;
+use crate::observer::{Field, Fundamentals, Reading, Set, Steepness};
 use crate::spectrum::Curve;
 
 use super::Progress;

@@ -14,14 +14,14 @@ use super::{Progress, write_csv};
 use crate::colour;
 use crate::display::Display;
 use crate::error::Result;
+use crate::eye::plan::{Plan, SUBSTEPS};
+use crate::eye::retina::{Model, Retina};
+use crate::eye::{Viewer, survey};
 use crate::kinetics::Kinetics;
 use crate::light::Planes;
-use crate::plan::{Plan, SUBSTEPS};
-use crate::retina::{Model, Retina};
 use crate::spectrum::Curve;
 use crate::step::{self, Method};
 use crate::units::{Millimetres, Seconds, Trolands};
-use crate::viewer::{Viewer, survey};
 use std::path::Path;
 use std::time::Instant;
 

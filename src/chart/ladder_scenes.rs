@@ -1,12 +1,14 @@
 //! Pictures in time on which the rungs of the ladder are compared.
 
+use crate::colour::Primaries;
 use crate::error::Result;
-use crate::eye::Observer;
 use crate::frames::builtin::{Ground, Sunset};
 use crate::frames::{Footage, Kind};
-use crate::light::{Planes, Primaries, Projection, Samples};
-use crate::percept::Vision;
+use crate::light::{Planes, Samples};
+use crate::observer::Observer;
 use crate::units::{Nits, Seconds};
+use crate::vision::Projection;
+use crate::vision::Vision;
 
 /// A picture, or two that take turns, over a sequence of frames.
 pub(super) struct Scene {

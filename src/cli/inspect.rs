@@ -6,8 +6,8 @@ use std::process::ExitCode;
 use sungaze::colour;
 use sungaze::config::Config;
 use sungaze::error::Result;
-use sungaze::eye::Observer;
 use sungaze::frames::{self, Header, Kind};
+use sungaze::observer::Observer;
 use sungaze::units::LUMENS_PER_WATT;
 
 use super::{Common, say};

@@ -2,16 +2,16 @@
 
 use crate::display::{Ceiling, Display, Tone};
 use crate::error::{Error, Result};
-use crate::eye::{
-    Directional, Dynamics, Field, Narrowing, Observer, Reading, Rule, Set, Steepness,
-};
+use crate::eye::plan::{self, Plan};
+use crate::eye::retina::Model;
 use crate::frames::builtin::{Ground, Sunset};
 use crate::frames::{
     self, ChannelNames, Compression, Negative, NonFinite, Quantity, ReadOptions, Sequence, Wanted,
 };
 use crate::kinetics::{Kinetics, Law};
-use crate::plan::{self, Plan};
-use crate::retina::Model;
+use crate::observer::{
+    Directional, Dynamics, Field, Narrowing, Observer, Reading, Rule, Set, Steepness,
+};
 use crate::step::Method;
 use crate::units::{Degrees, Millimetres, Nits, Seconds, Trolands};
 

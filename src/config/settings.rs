@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::eye::{Field, Set};
+use crate::observer::{Field, Set};
 
 pub use super::words::*;
 

@@ -14,13 +14,12 @@
 mod encode;
 mod gamut;
 mod row;
-mod survey;
 mod tone;
 mod ward;
 
-pub use survey::{Cells, Survey, SurveyRow};
 pub use tone::ToneMap;
 
+use crate::light::Survey;
 use crate::units::{Nits, Seconds};
 
 /// What bounds the contrast of a histogram adjustment.
@@ -60,7 +59,7 @@ pub struct Display {
 
 /// Luminance of linear sRGB light to the standard observer: 0.69283932 L + 0.34967567 M (CIE
 /// 170-2:2015) of the primaries' catches. Other observers bring their own
-/// ([`crate::percept::Vision::srgb_luminance`]).
+/// ([`crate::vision::Vision::srgb_luminance`]).
 pub const STANDARD_LUMINANCE: [f64; 3] = [0.198_658, 0.681_934, 0.119_408];
 
 impl Default for Display {

@@ -14,7 +14,8 @@
 //! Ward, Rushmeier & Piatko 1997, IEEE TVCG 3(4), 291-306. Bins and limits are those of Radiance's
 //! `pcond`.
 
-use super::{Ceiling, Survey, ToneMap};
+use super::{Ceiling, ToneMap};
+use crate::light::Survey;
 use crate::units::Nits;
 
 /// Number of bins.

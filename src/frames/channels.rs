@@ -1,8 +1,8 @@
 //! Which channels of a file are its picture: the three of RGB, or bands in order of wavelength.
 
+use crate::colour::Primaries;
 use crate::frames::names::{Meaning, meaning, number_in};
 use crate::frames::{ChannelNames, Kind, Quantity, ReadOptions, Wanted};
-use crate::light::Primaries;
 use crate::spectrum::{Band, Bands};
 
 /// What is known of the channels of one part of a file.

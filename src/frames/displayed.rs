@@ -8,10 +8,12 @@ use std::path::{Path, PathBuf};
 
 use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
 
+use crate::colour::Primaries;
 use crate::error::{Error, Result};
 use crate::frames::footage::{DENSEST, Picture, believable, examined};
 use crate::frames::{Header, Kind, ReadOptions, Wanted};
-use crate::light::{Frame, Planes, Primaries, Projection};
+use crate::light::{Frame, Planes};
+use crate::vision::Projection;
 
 const WARNING: &str = "display-referred (decoded by the sRGB curve): light brighter than white was cut off, so a sun in it is far too dim";
 

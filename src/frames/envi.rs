@@ -13,8 +13,9 @@ use crate::frames::envi_header::{EnviHeader, Interleave, Stored, parse};
 use crate::frames::exr_picture::canvas;
 use crate::frames::footage::{DENSEST, Picture, believable};
 use crate::frames::{Header, Kind, Quantity, ReadOptions, Wanted};
-use crate::light::{Frame, Planes, Projection, Samples};
+use crate::light::{Frame, Planes, Samples};
 use crate::spectrum::Bands;
+use crate::vision::Projection;
 
 /// Headers beyond this are no headers, bytes.
 const LONGEST_HEADER: u64 = 1 << 24;

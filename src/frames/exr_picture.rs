@@ -8,6 +8,7 @@ use exr::meta::header::Header as PartHeader;
 use half::f16;
 use rayon::prelude::*;
 
+use crate::colour::Primaries;
 use crate::error::{Error, Result};
 use crate::frames::census::{Census, Mending, verdict};
 use crate::frames::channels::{Choice, Offer, choose, listed};
@@ -15,8 +16,9 @@ use crate::frames::exr_file::{ExrFile, Part};
 use crate::frames::exr_rows::{Place, Stored};
 use crate::frames::footage::Picture;
 use crate::frames::{Header, Kind, ReadOptions};
-use crate::light::{Frame, Planes, Primaries, Projection, Samples};
+use crate::light::{Frame, Planes, Samples};
 use crate::units::Nits;
+use crate::vision::Projection;
 
 /// An OpenEXR file with its picture chosen.
 pub(super) struct ExrPicture {

@@ -11,7 +11,8 @@ use crate::frames::envi::EnviPicture;
 use crate::frames::exr_picture::ExrPicture;
 use crate::frames::radiance::RadiancePicture;
 use crate::frames::{Footage, Header, Kind, ReadOptions};
-use crate::light::{Frame, Planes, Projection, Samples};
+use crate::light::{Frame, Planes, Samples};
+use crate::vision::Projection;
 
 /// A picture file whose header was read.
 pub(super) trait Picture: Send + Sync {

@@ -13,7 +13,8 @@ use crate::frames::exr_picture::ExrPicture;
 use crate::frames::footage::{Format, Picture, format};
 use crate::frames::radiance::RadiancePicture;
 use crate::frames::{Header, Kind, Negative, NonFinite, ReadOptions};
-use crate::light::{Planes, Projection, Tally};
+use crate::light::{Planes, Tally};
+use crate::vision::Projection;
 
 /// Bands that are looked at in one reading of a spectral file.
 const AT_ONCE: usize = 8;

@@ -44,10 +44,12 @@ pub use sequence::{Missing, Sequence};
 pub use state::{read_state, write_state};
 pub use written::{About, Compression, write_exr, write_png};
 
+use crate::colour::Primaries;
 use crate::error::Error;
-use crate::light::{Frame, Planes, Primaries, Projection};
+use crate::light::{Frame, Planes};
 use crate::spectrum::Bands;
 use crate::units::Nits;
+use crate::vision::Projection;
 
 /// What the samples of a frame mean.
 #[derive(Clone, Debug, PartialEq)]

@@ -12,10 +12,12 @@ use std::path::{Path, PathBuf};
 use image::ImageDecoder;
 use image::codecs::hdr::HdrDecoder;
 
+use crate::colour::Primaries;
 use crate::error::{Error, Result};
 use crate::frames::footage::{DENSEST, Picture, believable, examined};
 use crate::frames::{Header, Kind, ReadOptions, Wanted};
-use crate::light::{Frame, Planes, Primaries, Projection};
+use crate::light::{Frame, Planes};
+use crate::vision::Projection;
 
 /// Header lines beyond this are no header.
 const LONGEST_HEADER: u64 = 1 << 20;

@@ -19,10 +19,11 @@ use exr::meta::header::Header;
 use half::f16;
 use rayon::prelude::*;
 
+use crate::colour::Primaries;
 use crate::error::{Error, Result};
 use crate::frames::atomic::write_whole;
 use crate::frames::zip;
-use crate::light::{Planes, Primaries, Row, Samples};
+use crate::light::{Planes, Row, Samples};
 use crate::units::Nits;
 
 /// How the blocks of a written file are compressed.

@@ -6,7 +6,8 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::{Strip, ask_for, vectorised};
+use super::{ask_for, vectorised};
+use crate::light::PlaneTile;
 
 /// Sums that are carried at once where there are 32 registers: they, the light and a product.
 const GROUP: usize = 12;
@@ -51,14 +52,14 @@ impl BandSums {
     }
 
     /// The sums of a run, each a run of `out`.
-    pub fn project(&self, light: Strip<'_>, out: &mut [f32]) {
+    pub fn project(&self, light: PlaneTile<'_>, out: &mut [f32]) {
         vectorised(Project { sums: self, light, out });
     }
 }
 
 struct Project<'a> {
     sums: &'a BandSums,
-    light: Strip<'a>,
+    light: PlaneTile<'a>,
     out: &'a mut [f32],
 }
 
@@ -151,8 +152,8 @@ mod tests {
         let mut sums = BandSums::new(7, bands);
         rows.iter().enumerate().for_each(|(i, row)| sums.set(i, row.iter().copied()));
         let (mut best, mut plain) = (vec![0.0; 7 * width], vec![0.0; 7 * width]);
-        sums.project(Strip::whole(&light, width), &mut best);
-        Project { sums: &sums, light: Strip::whole(&light, width), out: &mut plain }
+        sums.project(PlaneTile::whole(&light, width), &mut best);
+        Project { sums: &sums, light: PlaneTile::whole(&light, width), out: &mut plain }
             .with_simd(pulp::Scalar);
         assert_eq!(best, plain);
         for (row, weights) in rows.iter().enumerate() {

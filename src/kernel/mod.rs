@@ -10,23 +10,21 @@
 
 mod bands;
 mod between;
+mod catch;
 mod decay;
 mod extremes;
-mod halves;
 mod percept;
 mod pigment;
 mod sums;
 
 pub use bands::BandSums;
 pub use between::{Between, between};
+pub use catch::{CatchForm, PlanesForm, catch, single};
 pub use decay::{ERROR, LONGEST, decay, mean_decay_short};
 pub use extremes::{dimmest, greatest, least};
-pub use halves::{narrow, widen};
 pub use percept::{PerceptForm, percept};
 pub use pigment::{FirstOrderForm, relax, steady};
 pub use sums::{combine, floored, illuminance, weaken};
-
-use crate::light::Row;
 
 /// Most places of a tile: the planes of RGB light, trolands, pigment and percept of so many take 15
 /// KiB.
@@ -42,6 +40,8 @@ pub struct Room {
     pub light: [f32; ROOM],
     /// Cone illuminance of L, M, S, td.
     pub td: [[f32; TILE]; 3],
+    /// The catches of L, M, S.
+    pub lms: [[f32; TILE]; 3],
     /// The percept's R, G, B.
     pub rgb: [[f32; TILE]; 3],
 }
@@ -49,69 +49,14 @@ pub struct Room {
 impl Room {
     /// An empty one.
     pub fn new() -> Self {
-        Room { light: [0.0; ROOM], td: [[0.0; TILE]; 3], rgb: [[0.0; TILE]; 3] }
+        let planes = || [[0.0; TILE]; 3];
+        Room { light: [0.0; ROOM], td: planes(), lms: planes(), rgb: planes() }
     }
 }
 
 impl Default for Room {
     fn default() -> Self {
         Room::new()
-    }
-}
-
-/// A run of places in a row of planes.
-#[derive(Clone, Copy, Debug)]
-pub struct Strip<'a> {
-    samples: &'a [f32],
-    stride: usize,
-    from: usize,
-    width: usize,
-}
-
-impl<'a> Strip<'a> {
-    /// Planes of `width` samples one after the other.
-    pub fn whole(samples: &'a [f32], width: usize) -> Self {
-        Strip { samples, stride: width, from: 0, width }
-    }
-
-    /// The run of `width` places that begins at `from`. Halves are widened into `room`, which must
-    /// be as long as all planes of the run ([`tiles`] sees to that).
-    pub fn of(row: Row<'a>, count: usize, from: usize, width: usize, room: &'a mut [f32]) -> Self {
-        match row {
-            Row::Float(samples) => Strip { samples, stride: samples.len() / count, from, width },
-            Row::Half(samples) => {
-                let stride = samples.len() / count;
-                let room = &mut room[..count * width];
-                for (plane, out) in samples.chunks_exact(stride).zip(room.chunks_exact_mut(width)) {
-                    widen(&plane[from..from + width], out);
-                }
-                Strip { samples: room, stride: width, from: 0, width }
-            }
-        }
-    }
-
-    /// How many places.
-    pub fn width(&self) -> usize {
-        self.width
-    }
-
-    /// How many planes.
-    pub fn count(&self) -> usize {
-        self.samples.len() / self.stride
-    }
-
-    /// How far behind place `at` of a plane its place `at` + `places` is stored: in the next row,
-    /// if this one ends before.
-    #[inline(always)]
-    fn ahead(&self, at: usize, places: usize) -> usize {
-        let in_row = self.from + at + places < self.stride;
-        if in_row { places } else { places + self.samples.len() - self.stride }
-    }
-
-    /// The run of one plane.
-    #[inline(always)]
-    pub fn plane(&self, i: usize) -> &'a [f32] {
-        &self.samples[i * self.stride + self.from..][..self.width]
     }
 }
 

@@ -6,10 +6,11 @@ use pulp::{Simd, WithSimd};
 
 use super::decay::decay;
 use super::extremes::greatest_of;
-use super::{Strip, TILE, greatest, vectorised};
+use super::{TILE, greatest, vectorised};
+use crate::light::PlaneTile;
 
 struct Combine<'a> {
-    light: Strip<'a>,
+    light: PlaneTile<'a>,
     weights: &'a [f32],
     out: &'a mut [f32],
     /// Light below zero counts as none.
@@ -18,13 +19,17 @@ struct Combine<'a> {
 
 /// A linear form of the planes, one weight a plane, added in their order; planes of weight zero are
 /// passed over.
-pub fn combine(light: Strip<'_>, weights: &[f32], out: &mut [f32]) {
+pub fn combine(light: PlaneTile<'_>, weights: &[f32], out: &mut [f32]) {
     vectorised(Combine { light, weights, out, floored: false });
 }
 
 /// Cone illuminance of a run, td: a linear form of the planes for each cone, never negative.
 /// Returns the greatest.
-pub fn illuminance(light: Strip<'_>, weights: &[Vec<f32>; 3], out: [&mut [f32]; 3]) -> [f32; 3] {
+pub fn illuminance(
+    light: PlaneTile<'_>,
+    weights: &[Vec<f32>; 3],
+    out: [&mut [f32]; 3],
+) -> [f32; 3] {
     if let [[r0, g0, b0], [r1, g1, b1], [r2, g2, b2]] = weights.each_ref().map(Vec::as_slice) {
         let weights = [[*r0, *g0, *b0], [*r1, *g1, *b1], [*r2, *g2, *b2]];
         return vectorised(OfRgb { light, weights, out });
@@ -66,7 +71,7 @@ impl WithSimd for Floored<'_> {
 
 /// The illuminance of RGB light, all cones at once.
 struct OfRgb<'a> {
-    light: Strip<'a>,
+    light: PlaneTile<'a>,
     weights: [[f32; 3]; 3],
     out: [&'a mut [f32]; 3],
 }
@@ -99,7 +104,7 @@ impl WithSimd for OfRgb<'_> {
 #[inline(always)]
 fn of_rgb<S: Simd>(
     simd: S,
-    light: Strip<'_>,
+    light: PlaneTile<'_>,
     range: Range<usize>,
     weights: &[f32; 3],
     out: &mut [f32],

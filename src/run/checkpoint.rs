@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::check::Check;
 use crate::error::{Error, Result};
+use crate::eye::check::Check;
 use crate::frames::atomic::write_whole;
 use crate::run::report::Counters;
 

@@ -6,15 +6,16 @@ use std::time::{Duration, Instant};
 use ndarray::Array3;
 use serde_json::Value;
 
-use crate::check::Check;
 use crate::config::Config;
 use crate::config::settings::{DisplayFile, StateKey};
 use crate::display::{Display, ToneMap};
 use crate::error::{Error, Result};
+use crate::eye::check::Check;
+use crate::eye::plan::Plan;
+use crate::eye::retina::{Model, Retina};
+use crate::eye::{Look, Viewer};
 use crate::frames;
 use crate::light::{Planes, Samples};
-use crate::plan::Plan;
-use crate::retina::{Model, Retina};
 use crate::run::checkpoint::{self, Checkpoint, Head};
 use crate::run::gaze::Gaze;
 use crate::run::reader::Loaded;
@@ -24,7 +25,6 @@ use crate::run::scene::Scene;
 use crate::run::schedule::Step;
 use crate::run::writer::Finished;
 use crate::units::{Nits, Seconds};
-use crate::viewer::{Look, Viewer};
 
 /// The eye between the two other stages, with everything it carries from frame to frame.
 pub(super) struct Eye {

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use crate::config::Config;
 use crate::config::settings::{Aim, Seek};
-use crate::display::Survey;
 use crate::error::{Error, Result};
+use crate::light::Survey;
 
 /// Where the eye looks over a run, in fractions of width and height.
 #[derive(Clone, Debug, PartialEq)]

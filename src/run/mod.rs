@@ -26,10 +26,10 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use crate::check::Check;
 use crate::config::settings::SeenKey;
 use crate::config::{Config, Settings};
 use crate::error::{Error, Result};
+use crate::eye::check::Check;
 use crate::frames;
 use crate::light::Planes;
 

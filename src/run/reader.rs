@@ -4,14 +4,15 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender};
 use std::time::{Duration, Instant};
 
-use crate::check;
-use crate::display::Survey;
 use crate::error::{Error, Result};
+use crate::eye;
+use crate::eye::check;
 use crate::frames::Footage;
-use crate::light::{Frame, Kept, Planes};
-use crate::percept::Vision;
+use crate::light::Survey;
+use crate::light::{Frame, Planes};
 use crate::run::schedule::Step;
-use crate::viewer;
+use crate::vision::SampledSpectra;
+use crate::vision::Vision;
 
 /// A decoded frame and its luminances, on their way to the eye.
 pub struct Loaded {
@@ -19,7 +20,7 @@ pub struct Loaded {
     pub survey: Survey,
     /// The places of the sampled check, and their spectra where frames hold bands.
     pub places: Arc<Vec<[usize; 2]>>,
-    pub kept: Option<Arc<Kept>>,
+    pub kept: Option<Arc<SampledSpectra>>,
 }
 
 /// The footage as the reader sees it.
@@ -47,7 +48,7 @@ impl Sequence<'_> {
             (projection, _) => projection.cloned(),
         };
         let frame = self.footage.read(file, keeping.as_ref(), recycled)?;
-        let survey = viewer::survey(self.vision, &frame.planes, self.pixels_per_degree);
+        let survey = eye::survey(self.vision, &frame.planes, self.pixels_per_degree);
         if !(survey.mean.is_finite() && survey.greatest.is_finite()) {
             let problem =
                 "is brighter than 3.4e38 cd/m2 somewhere: check input.white_cd_m2 or input.scale";

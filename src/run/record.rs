@@ -6,10 +6,10 @@ use std::path::Path;
 
 use crate::config::Config;
 use crate::error::{Error, Result};
+use crate::eye::{Look, Viewer};
 use crate::light::Planes;
 use crate::run::schedule::Step;
 use crate::units::Millimetres;
-use crate::viewer::{Look, Viewer};
 
 /// Header of `trace.csv`.
 pub const TRACE: &str = "frame,time_s,duration_s,gaze_x,gaze_y,adapting_cd_m2,pupil_mm,sce_L,sce_M,sce_S,\

@@ -6,9 +6,9 @@ use serde_json::{Value, json};
 
 use crate::config::Config;
 use crate::constants;
-use crate::eye::CONES;
+use crate::eye::Census;
 use crate::light::Tally;
-use crate::viewer::Census;
+use crate::observer::CONES;
 
 /// What a run has met so far; part of a checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

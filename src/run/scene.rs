@@ -1,14 +1,14 @@
 //! What is looked at, and by whom: footage, the observer's vision of it, and the frames in time.
 
+use crate::colour::Primaries;
 use crate::config::Config;
 use crate::display::Display;
 use crate::error::Result;
 use crate::frames::{self, About, Footage, Kind, builtin};
-use crate::light::Primaries;
-use crate::percept::Vision;
 use crate::run::reader::Sequence;
 use crate::run::schedule::{self, Step};
 use crate::units::Nits;
+use crate::vision::Vision;
 
 /// Footage, vision and schedule of one run.
 pub struct Scene {

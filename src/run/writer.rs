@@ -12,7 +12,8 @@ use rayon::prelude::*;
 use crate::display::{Display, ToneMap};
 use crate::error::{Error, Result};
 use crate::frames::{self, About, Compression};
-use crate::kernel::{self, Strip};
+use crate::kernel;
+use crate::light::PlaneTile;
 use crate::light::Planes;
 use crate::run::checkpoint::Checkpoint;
 use crate::run::watch::Watch;
@@ -164,7 +165,7 @@ impl Writer<'_> {
             |(light, srgb), (y, bytes)| {
                 let row = seen.row(y);
                 let light = row.as_f32(light);
-                let light = Strip::whole(light, width);
+                let light = PlaneTile::whole(light, width);
                 for (weights, out) in self.seen_to_srgb.iter().zip(srgb.chunks_exact_mut(width)) {
                     kernel::combine(light, weights, out);
                 }

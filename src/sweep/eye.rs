@@ -8,16 +8,16 @@ use ndarray::Array3;
 
 use crate::config::{Case, Config};
 use crate::error::Result;
-use crate::eye::{Dynamics, Pupil, Rule};
+use crate::eye::retina::{Advance, Model, Retina};
+use crate::eye::{Look, Viewer};
 use crate::light::{Planes, Samples};
-use crate::retina::{Advance, Model, Retina};
+use crate::observer::{Dynamics, Pupil, Rule};
 use crate::run::record::{self, Probe, Reading};
 use crate::run::{self, Gaze, Scene};
 use crate::sweep::light::Lit;
 use crate::sweep::pass::Span;
 use crate::sweep::reduced;
 use crate::units::{Millimetres, Nits, Seconds, Trolands};
-use crate::viewer::{Look, Viewer};
 
 /// An eye that goes through one pass.
 pub struct Eye {
@@ -222,7 +222,7 @@ impl Eye {
         [0, 1, 2].map(|k| self.whole.pigments[k].steady(Trolands(light[k])))
     }
 
-    fn adapting(&self, lit: &Lit, time: f64) -> crate::eye::Adapting {
+    fn adapting(&self, lit: &Lit, time: f64) -> crate::observer::Adapting {
         self.whole.adapting(&lit.planes, &lit.survey, self.aim(lit, time))
     }
 

@@ -5,12 +5,13 @@ use std::sync::Arc;
 use serde_json::Value;
 
 use crate::config::Config;
-use crate::display::Survey;
 use crate::error::Result;
-use crate::light::{Frame, Planes, Projection};
+use crate::eye;
+use crate::light::Survey;
+use crate::light::{Frame, Planes};
 use crate::run::{self, Scene};
 use crate::sweep::reduced;
-use crate::viewer;
+use crate::vision::Projection;
 
 /// One frame of light and its reduction.
 pub struct Lit {
@@ -24,7 +25,7 @@ pub struct Lit {
 /// Decodes a frame; `side` is the square that its reduction must fit into.
 pub fn lit(scene: &Scene, file: usize, side: usize) -> Result<Arc<Lit>> {
     let Frame { planes, tally } = scene.footage.read(file, scene.vision.projection(), None)?;
-    let survey = viewer::survey(&scene.vision, &planes, scene.pixels_per_degree);
+    let survey = eye::survey(&scene.vision, &planes, scene.pixels_per_degree);
     let small = reduced::reduced(&planes, reduced::size([planes.width, planes.height], side));
     Ok(Arc::new(Lit { planes, survey, small, mended: tally.non_finite() > 0 }))
 }

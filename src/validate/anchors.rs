@@ -2,9 +2,9 @@
 
 use crate::colour::{apply, chromaticity};
 use crate::error::Result;
-use crate::eye::pupil;
 use crate::frames::builtin::sun_radiance;
 use crate::kinetics::Kinetics;
+use crate::observer::pupil;
 use crate::spectrum::Curve;
 use crate::step::{METHODS, advance};
 use crate::units::{Millimetres, Seconds, Trolands};

@@ -13,9 +13,9 @@ use rayon::prelude::*;
 
 use crate::constants::CONSTANTS;
 use crate::error::Result;
-use crate::eye::{CONES, Observer};
+use crate::eye::retina::{Advance, Model};
 use crate::kinetics::{Kinetics, Law};
-use crate::retina::{Advance, Model};
+use crate::observer::{CONES, Observer};
 use crate::spectrum::Curve;
 use crate::step::METHODS;
 use crate::units::{Seconds, Trolands};

@@ -21,8 +21,8 @@ use std::path::Path;
 use crate::config::Config;
 use crate::constants::RODS;
 use crate::error::Result;
-use crate::eye::Observer;
 use crate::kinetics::Kinetics;
+use crate::observer::Observer;
 use crate::units::{Seconds, Trolands};
 
 pub use limit::{Fall, Field};

@@ -1,12 +1,13 @@
 //! The observer by number: cone trolands, narrowing, pupil, Stiles-Crawford, colour, Rayleigh
 //! matches.
 
+use crate::colour::Primaries;
 use crate::error::Result;
-use crate::eye::{Adapting, CONES, Observer};
-use crate::light::{Planes, Primaries, Samples};
-use crate::percept::Vision;
+use crate::light::{Planes, Samples};
+use crate::observer::{Adapting, CONES, Observer};
 use crate::spectrum::{CIE1931, CONE_PIECES, Curve};
 use crate::units::{Millimetres, Nits};
+use crate::vision::Vision;
 
 use super::limit::worst;
 use super::{Check, PAPER, STANDARD, Subject};

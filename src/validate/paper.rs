@@ -2,7 +2,7 @@
 //! beside its check from the printed formula; the constants it takes stand in the comment.
 
 use crate::error::Result;
-use crate::eye::{Adapting, Rule, pupil};
+use crate::observer::{Adapting, Rule, pupil};
 use crate::spectrum::Curve;
 use crate::units::{Millimetres, Nits, Trolands};
 
@@ -97,7 +97,12 @@ fn equations_1_to_4(subject: &Subject) -> Result<Vec<Check>> {
 fn equations_5_to_7(subject: &Subject) -> Result<Vec<Check>> {
     let eye = subject.observer(PAPER)?;
     let eta = |p: f64, r: f64| {
-        crate::eye::directional::eta(crate::eye::Reading::Paper { mm_per_degree: 0.29 }, p, 8.0, r)
+        crate::observer::directional::eta(
+            crate::observer::Reading::Paper { mm_per_degree: 0.29 },
+            p,
+            8.0,
+            r,
+        )
     };
     let line = |nm: usize| {
         let mut light = Curve::sampled(|_| 0.0);
@@ -139,7 +144,7 @@ fn equations_5_to_7(subject: &Subject) -> Result<Vec<Check>> {
             1e-12,
         ),
     ];
-    for (k, cone) in crate::eye::CONES.iter().enumerate() {
+    for (k, cone) in crate::observer::CONES.iter().enumerate() {
         let name = format!("Eq. 7: {cone} td of 1 W m^-2 sr^-1 at 550 nm, 4 mm");
         // c_k of the model has five digits.
         checks.push(Check::new(

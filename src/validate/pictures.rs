@@ -9,15 +9,15 @@ use std::path::{Path, PathBuf};
 use ndarray::Array3;
 
 use crate::constants::CONSTANTS;
-use crate::display::Survey;
 use crate::error::Result;
+use crate::eye::retina::{Model, Retina};
+use crate::eye::{self, Viewer};
 use crate::frames::Kind;
 use crate::kinetics::{Kinetics, Law};
+use crate::light::Survey;
 use crate::light::{Planes, Samples};
-use crate::retina::{Model, Retina};
 use crate::run::Scene;
 use crate::units::Seconds;
-use crate::viewer::{self, Viewer};
 
 use super::limit::{self, STARTS, worst};
 use super::{Check, PAPER, STANDARD, Subject};
@@ -114,7 +114,7 @@ impl Stare {
         let step = (whole.width / WIDTH).max(1);
         let planes = every(step, &whole);
         let pixels_per_degree = scene.pixels_per_degree / step as f64;
-        let survey = viewer::survey(&scene.vision, &planes, pixels_per_degree);
+        let survey = eye::survey(&scene.vision, &planes, pixels_per_degree);
         Ok(Stare { pigments: config.pigments(), scene, planes, survey, pixels_per_degree })
     }
 

@@ -3,7 +3,7 @@
 
 use crate::constants::named;
 use crate::error::Result;
-use crate::eye::{Adapting, Rule};
+use crate::observer::{Adapting, Rule};
 use crate::units::{Millimetres, Nits};
 
 use super::{Check, PAPER, Subject};
@@ -78,8 +78,9 @@ fn lens_twice(subject: &Subject) -> Result<Check> {
         subject.observer(&format!("{PAPER}\nobserver.stiles_crawford_p = \"measured\""))?,
         subject.observer(PAPER)?,
     );
-    let s =
-        |eye: &crate::eye::Observer| eye.equal_energy_weight(Millimetres(8.0), Millimetres(4.0))[2];
+    let s = |eye: &crate::observer::Observer| {
+        eye.equal_energy_weight(Millimetres(8.0), Millimetres(4.0))[2]
+    };
     let source = "Fig. 2 corrects for the lens";
     Ok(Check::info(
         "eta of S at 4 mm: measured, corrected for the lens",

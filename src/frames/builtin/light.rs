@@ -2,8 +2,8 @@
 //! projected once, and a pixel is a sum of as many products.
 
 use super::sun;
-use crate::light::Projection;
 use crate::spectrum::Bands;
+use crate::vision::Projection;
 
 /// Number of lights.
 pub(super) const LIGHTS: usize = 4;

@@ -9,8 +9,9 @@ mod sky;
 mod sun;
 
 use crate::error::Error;
-use crate::light::{Frame, Planes, Projection, Samples, Tally};
+use crate::light::{Frame, Planes, Samples, Tally};
 use crate::spectrum::Bands;
+use crate::vision::Projection;
 use ground::Waves;
 use light::{LIGHTS, Mixture};
 

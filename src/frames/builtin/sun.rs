@@ -90,7 +90,7 @@ fn ozone(nm: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::colour::{apply, chromaticity};
-    use crate::eye::Observer;
+    use crate::observer::Observer;
     use crate::spectrum::Curve;
 
     #[test]

@@ -4,10 +4,10 @@
 use serde_json::{Value, json};
 
 use super::{LeftOut, Met, Plan, growth};
-use crate::eye::directional;
+use crate::eye::retina::{LEAST_KEPT, Model};
 use crate::kinetics::{Kinetics, Law};
-use crate::percept::level_bound;
-use crate::retina::{LEAST_KEPT, Model};
+use crate::observer::directional;
+use crate::vision::level_bound;
 
 /// Largest relative error of a catch from light, weights and percept in single precision.
 const SINGLE_BOUND: f64 = 1e-5;

@@ -14,13 +14,14 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::eye::pupil;
+use crate::eye::retina::{Advance, LEAST_KEPT, Model};
 use crate::kinetics::Kinetics;
-use crate::light::{Kept, Planes};
-use crate::percept::Vision;
-use crate::retina::{Advance, LEAST_KEPT, Model};
+use crate::light::Planes;
+use crate::observer::pupil;
 use crate::spectrum::Curve;
 use crate::units::{LUMENS_PER_WATT, Millimetres, Seconds, Trolands};
+use crate::vision::SampledSpectra;
+use crate::vision::Vision;
 
 /// Columns and rows of the grid of spread places.
 const GRID: [usize; 2] = [16, 12];
@@ -46,7 +47,7 @@ pub struct Exposure<'a> {
     pub vision: &'a Vision,
     pub pigments: &'a [Kinetics; 3],
     /// What each place's spectrum was, band by band; RGB is read from the planes.
-    pub kept: Option<&'a Kept>,
+    pub kept: Option<&'a SampledSpectra>,
     pub planes: &'a Planes,
     pub pupil: Millimetres,
     pub gaze: [f64; 2],
@@ -284,19 +285,20 @@ fn jitter(i: u64) -> f64 {
 }
 
 /// Room for the spectra of the places, to be filled while a frame is decoded.
-pub fn room(vision: &Vision, places: &[[usize; 2]]) -> Option<Arc<Kept>> {
-    vision.projection().map(|_| Arc::new(Kept::new(places)))
+pub fn room(vision: &Vision, places: &[[usize; 2]]) -> Option<Arc<SampledSpectra>> {
+    vision.projection().map(|_| Arc::new(SampledSpectra::new(places)))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::eye::Observer;
+    use crate::colour::Primaries;
     use crate::kinetics::Law;
-    use crate::light::{Primaries, Samples};
-    use crate::percept::LEVEL_BOUND;
+    use crate::light::Samples;
+    use crate::observer::Observer;
     use crate::step;
     use crate::units::Nits;
+    use crate::vision::LEVEL_BOUND;
 
     fn exposure<'a>(
         vision: &'a Vision,

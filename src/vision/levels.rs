@@ -15,7 +15,7 @@
 
 use std::f64::consts::LN_10;
 
-use crate::eye::{Narrowing, Observer};
+use crate::observer::{Narrowing, Observer};
 use crate::spectrum::Curve;
 
 /// Largest relative error of a catch from the levels, any light, any p, density up to 0.5 (numerics

@@ -16,10 +16,10 @@
 mod ledger;
 mod terms;
 
+use crate::eye::retina::Model;
 use crate::kinetics::{Kinetics, Law};
-use crate::percept::Vision;
-use crate::retina::Model;
 use crate::units::{Seconds, Trolands};
+use crate::vision::Vision;
 
 pub(crate) use ledger::Ledger;
 pub use terms::Term;

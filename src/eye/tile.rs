@@ -1,9 +1,9 @@
 //! One tile under one frame: left untouched, set to its steady state, or followed.
 
 use super::Census;
+use crate::eye::plan::{LeftOut, Rule};
+use crate::eye::retina::{Advance, Model};
 use crate::kernel;
-use crate::plan::{LeftOut, Rule};
-use crate::retina::{Advance, Model};
 
 /// Moves a tile's L, M, S pigment by its light, td, as far as the rule asks for. `bound`: what the
 /// tile may have lost unseen; `greatest`: of its light.

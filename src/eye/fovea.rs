@@ -6,12 +6,14 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use super::Viewer;
-use crate::display::{Cells, Survey};
-use crate::eye::Adapting;
-use crate::kernel::{self, Strip, TILE};
+use crate::kernel::{self, TILE};
+use crate::light::Cells;
+use crate::light::PlaneTile;
 use crate::light::Planes;
-use crate::percept::Vision;
+use crate::light::Survey;
+use crate::observer::Adapting;
 use crate::units::{Degrees, Nits};
+use crate::vision::Vision;
 
 impl Viewer {
     /// What the pupil responds to: the mean over the fovea around the gaze (pixels) and over the
@@ -108,7 +110,7 @@ pub fn survey(vision: &Vision, planes: &Planes, pixels_per_degree: f64) -> Surve
             |(luminance, room), y| {
                 let row = planes.row(y);
                 for (from, width) in kernel::tiles(kernel::tile(planes.count), planes.width) {
-                    let light = Strip::of(row, planes.count, from, width, room);
+                    let light = PlaneTile::of(row, planes.count, from, width, room);
                     kernel::combine(light, &weights, &mut luminance[from..from + width]);
                 }
                 cells.row(luminance)

@@ -2,7 +2,7 @@
 //! 2019), on their grid of 5 nm.
 
 use crate::colour::Matrix;
-use crate::eye::Observer;
+use crate::observer::Observer;
 use crate::spectrum::{Curve, D65, SRGB_BASIS};
 use crate::units::{LUMENS_PER_WATT, Nits};
 

@@ -11,19 +11,23 @@
 //! light is projected once ([`Vision::projection`]), whatever pupil and pigment do: the *moments*.
 //! p = 1 is a level, hence an unbleached eye is exact.
 
+mod form;
 mod levels;
 mod primaries;
+mod projection;
 
+use crate::colour::Primaries;
 use crate::colour::{self, Matrix};
-use crate::eye::Observer;
-use crate::eye::directional::MOST_LEVELS;
-use crate::light::{Planes, Primaries, Projection};
+use crate::light::Planes;
+use crate::observer::Observer;
+use crate::observer::directional::MOST_LEVELS;
 use crate::spectrum::{Bands, Curve};
 use crate::units::{LUMENS_PER_WATT, Millimetres, Nits};
 
 pub use levels::{LEVEL_BOUND, Levels, level_bound};
 use levels::{peaks, weighting_curves};
 use primaries::{basis_of_rgb, inner, srgb_catches, srgb_lights};
+pub use projection::{Projection, SampledSpectra};
 
 /// How planes become moments.
 #[derive(Clone, Debug)]
@@ -221,7 +225,7 @@ impl Vision {
         r: Millimetres,
     ) -> [[f64; MOST_LEVELS]; 3] {
         let (area, etas) =
-            (crate::eye::pupil::area(pupil), self.observer.directional.weights(pupil, r));
+            (crate::observer::pupil::area(pupil), self.observer.directional.weights(pupil, r));
         self.observer.cone_troland().map(|c| etas.map(|eta| c * area * eta))
     }
 
@@ -274,8 +278,8 @@ impl Vision {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::eye::{Directional, Field, Narrowing, Reading, Set, Steepness};
     use crate::light::Samples;
+    use crate::observer::{Directional, Field, Narrowing, Reading, Set, Steepness};
 
     fn white_rgb(observer: Observer) -> Vision {
         Vision::of_rgb(observer, &Primaries::REC709, Nits(1.0)).unwrap()
@@ -342,15 +346,17 @@ mod tests {
     #[test]
     fn white_has_the_published_cone_trolands() {
         let mut observer = Observer::standard();
-        observer.directional =
-            crate::eye::Directional::new(crate::eye::Reading::Off, crate::eye::Steepness::Measured);
+        observer.directional = crate::observer::Directional::new(
+            crate::observer::Reading::Off,
+            crate::observer::Steepness::Measured,
+        );
         let vision = white_rgb(observer);
         let pupil = Millimetres(2.0);
         let weights = vision.illuminance_weights(pupil, Millimetres(0.0));
         let td = vision.illuminance(&vision.moments(&pixel([1.0; 3]), 0, 0), &weights);
         for (ours, expected) in td.iter().zip([0.98551, 1.03352, 1.07169]) {
             assert!(
-                (ours / crate::eye::pupil::area(pupil) / expected - 1.0).abs() < 6e-5,
+                (ours / crate::observer::pupil::area(pupil) / expected - 1.0).abs() < 6e-5,
                 "{td:?}"
             );
         }
@@ -402,8 +408,10 @@ mod tests {
     #[test]
     fn a_ten_nanometre_equal_energy_field_is_one_troland_within_a_percent() {
         let mut observer = Observer::standard();
-        observer.directional =
-            crate::eye::Directional::new(crate::eye::Reading::Off, crate::eye::Steepness::Measured);
+        observer.directional = crate::observer::Directional::new(
+            crate::observer::Reading::Off,
+            crate::observer::Steepness::Measured,
+        );
         let luminance = LUMENS_PER_WATT * observer.luminous_efficiency().integral();
         let centres: Vec<f64> = (0..31).map(|i| 400.0 + 10.0 * i as f64).collect();
         let vision = Vision::of_bands(observer, &Bands::from_centres(&centres).unwrap());
@@ -414,7 +422,7 @@ mod tests {
         let pupil = Millimetres(4.0);
         let td = vision.illuminance(&moments, &vision.illuminance_weights(pupil, Millimetres(0.0)));
         for cone in td {
-            assert!((cone / crate::eye::pupil::area(pupil) - 1.0).abs() < 0.01, "{td:?}");
+            assert!((cone / crate::observer::pupil::area(pupil) - 1.0).abs() < 0.01, "{td:?}");
         }
     }
 }

@@ -1,10 +1,11 @@
 //! How the planes of a frame become cone illuminance under one pupil and gaze.
 
-use crate::eye::directional::MOST_LEVELS;
-use crate::kernel::{self, BandSums, ROOM, Strip, TILE};
+use crate::kernel::{self, BandSums, ROOM, TILE};
+use crate::light::PlaneTile;
 use crate::light::{Planes, Row, Samples};
-use crate::percept::Vision;
+use crate::observer::directional::MOST_LEVELS;
 use crate::units::Millimetres;
+use crate::vision::Vision;
 
 /// A vision in the shape that rows want, aimed by one frame's pupil and gaze.
 pub(super) struct Sight {
@@ -123,20 +124,20 @@ impl Sight {
         from: usize,
         width: usize,
         room: &'a mut [f32; ROOM],
-    ) -> Strip<'a> {
+    ) -> PlaneTile<'a> {
         let Some(sums) = &self.bands else {
-            return Strip::of(row, self.planes_in, from, width, room);
+            return PlaneTile::of(row, self.planes_in, from, width, room);
         };
         let (projected, converted) = room.split_at_mut(sums.rows() * width);
-        sums.project(Strip::of(row, self.planes_in, from, width, converted), projected);
-        Strip::whole(projected, width)
+        sums.project(PlaneTile::of(row, self.planes_in, from, width, converted), projected);
+        PlaneTile::whole(projected, width)
     }
 
     /// Cone illuminance of one tile, td, whose first place is at `x`, `y` of the picture. Returns
     /// the greatest.
     pub fn illuminance(
         &self,
-        light: Strip<'_>,
+        light: PlaneTile<'_>,
         [x, y]: [usize; 2],
         td: [&mut [f32]; 3],
     ) -> [f32; 3] {
@@ -158,7 +159,7 @@ impl ByPlace {
         let (held, first, count) =
             (vision.holds_bands(), vision.first_illuminance(), self.rates.len());
         for (k, levels) in self.levels.iter_mut().enumerate() {
-            let scale = vision.observer.cone_troland()[k] * crate::eye::pupil::area(pupil);
+            let scale = vision.observer.cone_troland()[k] * crate::observer::pupil::area(pupil);
             for (j, weights) in levels.iter_mut().enumerate() {
                 let row = first + k * count + j;
                 for (plane, weight) in weights.iter_mut().enumerate() {
@@ -173,7 +174,12 @@ impl ByPlace {
         }
     }
 
-    fn illuminance(&self, light: Strip<'_>, [x, y]: [usize; 2], td: [&mut [f32]; 3]) -> [f32; 3] {
+    fn illuminance(
+        &self,
+        light: PlaneTile<'_>,
+        [x, y]: [usize; 2],
+        td: [&mut [f32]; 3],
+    ) -> [f32; 3] {
         let width = light.width();
         let across = self.mm_per_pixel * (y as f64 - self.gaze[1]);
         let squares: [f64; TILE] = std::array::from_fn(|i| {
@@ -208,8 +214,8 @@ fn uniform_weights(vision: &Vision, pupil: Millimetres) -> [impl Fn(usize) -> f3
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::eye::{Directional, Observer, Reading, Steepness};
-    use crate::light::Primaries;
+    use crate::colour::Primaries;
+    use crate::observer::{Directional, Observer, Reading, Steepness};
     use crate::spectrum::Bands;
     use crate::units::Nits;
 

@@ -1,6 +1,6 @@
 //! What a look met: the extremes that the trace, the warnings and the plan ask for.
 
-use crate::plan::LeftOut;
+use crate::eye::plan::LeftOut;
 
 /// What was met at the places of the retina that the look covered.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,9 +1,10 @@
 //! A viewer beside its sampled check.
 
 use super::{Look, Viewer};
-use crate::check::{Check, Exposure};
-use crate::light::{Kept, Planes};
+use crate::eye::check::{Check, Exposure};
+use crate::light::Planes;
 use crate::units::Seconds;
+use crate::vision::SampledSpectra;
 
 impl Viewer {
     /// A check of these places that starts with this viewer's fractions.
@@ -17,7 +18,7 @@ impl Viewer {
         &self,
         check: &mut Check,
         planes: &Planes,
-        kept: Option<&Kept>,
+        kept: Option<&SampledSpectra>,
         look: &Look,
         gaze: [f64; 2],
         duration: Seconds,

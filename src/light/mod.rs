@@ -1,0 +1,179 @@
+//! The light of one frame, as rows of planes.
+//!
+//! A frame is `count` planes of `width` x `height` samples, stored row by row and, inside a row,
+//! plane by plane: the order of a scanline OpenEXR file, and one in which a row is the unit of work
+//! everywhere.
+//!
+//! * RGB light keeps the file's own numbers: three planes, half or float.
+//! * Spectral light is never held whole. Each block of rows is projected as it is decoded by a
+//!   [`Projection`] onto the few inner products that the retina and the percept need; those are the
+//!   planes.
+
+mod halves;
+mod survey;
+mod tile;
+
+use std::ops::Range;
+
+use half::f16;
+
+pub use halves::{narrow, widen};
+pub use survey::{Cells, Survey, SurveyRow};
+pub use tile::PlaneTile;
+
+/// Samples of all planes, in the width of the file they came from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Samples {
+    Half(Vec<f16>),
+    Float(Vec<f32>),
+}
+
+/// Planes of one frame. Row `y` of plane `i` is `samples[(y * count + i) * width..][..width]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Planes {
+    pub width: usize,
+    pub height: usize,
+    pub count: usize,
+    pub samples: Samples,
+}
+
+/// One row of all planes: `count` runs of `width` samples.
+#[derive(Clone, Copy, Debug)]
+pub enum Row<'a> {
+    Half(&'a [f16]),
+    Float(&'a [f32]),
+}
+
+impl Planes {
+    /// Float planes of zeros.
+    pub fn float(width: usize, height: usize, count: usize) -> Self {
+        Planes { width, height, count, samples: Samples::Float(vec![0.0; width * height * count]) }
+    }
+
+    /// Half planes of zeros.
+    pub fn half(width: usize, height: usize, count: usize) -> Self {
+        Planes {
+            width,
+            height,
+            count,
+            samples: Samples::Half(vec![f16::ZERO; width * height * count]),
+        }
+    }
+
+    /// Row `y`, all planes.
+    pub fn row(&self, y: usize) -> Row<'_> {
+        let n = self.count * self.width;
+        match &self.samples {
+            Samples::Half(v) => Row::Half(&v[y * n..][..n]),
+            Samples::Float(v) => Row::Float(&v[y * n..][..n]),
+        }
+    }
+
+    /// A run of plane `i` in row `y` as single floats, converted into `room` where it is stored as
+    /// half.
+    pub fn run<'a>(
+        &'a self,
+        i: usize,
+        y: usize,
+        run: Range<usize>,
+        room: &'a mut [f32],
+    ) -> &'a [f32] {
+        let plane = i * self.width;
+        let run = plane + run.start..plane + run.end;
+        match self.row(y) {
+            Row::Float(row) => &row[run],
+            Row::Half(row) => {
+                let room = &mut room[..run.len()];
+                widen(&row[run], room);
+                room
+            }
+        }
+    }
+
+    /// The sample of plane `i` at column `x` of row `y`.
+    pub fn at(&self, x: usize, y: usize, i: usize) -> f64 {
+        let at = (y * self.count + i) * self.width + x;
+        match &self.samples {
+            Samples::Half(v) => v[at].to_f64(),
+            Samples::Float(v) => f64::from(v[at]),
+        }
+    }
+}
+
+impl Row<'_> {
+    /// The row as single floats, converted into `scratch` where it is stored as half.
+    pub fn as_f32<'a>(&'a self, scratch: &'a mut [f32]) -> &'a [f32] {
+        match self {
+            Row::Float(row) => row,
+            Row::Half(row) => {
+                let scratch = &mut scratch[..row.len()];
+                widen(row, scratch);
+                scratch
+            }
+        }
+    }
+}
+
+/// A sample of a picture that can be written.
+pub trait Sample: Copy + Send + Sync {
+    /// Stores a row of floats, limited to what the type can hold; returns how many were limited.
+    fn store(from: &[f32], to: &mut [Self]) -> u64;
+}
+
+impl Sample for f32 {
+    fn store(from: &[f32], to: &mut [f32]) -> u64 {
+        to.copy_from_slice(from);
+        0
+    }
+}
+
+impl Sample for f16 {
+    fn store(from: &[f32], to: &mut [f16]) -> u64 {
+        if !narrow(from, to) {
+            return 0;
+        }
+        let mut limited = 0;
+        for (half, &value) in to.iter_mut().zip(from) {
+            if half.is_infinite() {
+                *half = if value > 0.0 { f16::MAX } else { f16::MIN };
+                limited += 1;
+            }
+        }
+        limited
+    }
+}
+
+/// What a frame's samples had wrong with them, counted before any policy mended it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    pub nan: u64,
+    pub infinite: u64,
+    pub negative: u64,
+    /// Integer samples at the top of their range: a display-referred picture whose light was cut
+    /// off.
+    pub clipped: u64,
+}
+
+impl Tally {
+    /// The sum of two counts.
+    pub fn plus(self, other: Tally) -> Tally {
+        Tally {
+            nan: self.nan + other.nan,
+            infinite: self.infinite + other.infinite,
+            negative: self.negative + other.negative,
+            clipped: self.clipped + other.clipped,
+        }
+    }
+
+    /// NaN and infinite samples.
+    pub fn non_finite(self) -> u64 {
+        self.nan + self.infinite
+    }
+}
+
+/// The planes of one frame and what was wrong with its samples.
+#[derive(Clone, Debug)]
+pub struct Frame {
+    pub planes: Planes,
+    pub tally: Tally,
+}

@@ -1,0 +1,128 @@
+//! The projection of spectral frames onto the few sums that are kept of them, done block by block
+//! while a file is decoded.
+
+use std::sync::{Arc, Mutex};
+
+use crate::kernel::BandSums;
+use crate::light::PlaneTile;
+
+/// A linear map from the bands of a spectral frame to the planes that are kept of it.
+///
+/// The weight of a row in a band is the integral over the band of the row's weighting function, so
+/// that a row's value is the sum over bands of weight times spectral radiance in W m^-2 sr^-1
+/// nm^-1.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Projection {
+    pub bands: usize,
+    pub rows: usize,
+    sums: BandSums,
+    /// For each stored band its number among the bands, and the factor to radiance.
+    stored: Vec<(usize, f64)>,
+    /// Places whose whole spectra are to be remembered on the way.
+    kept: Option<Arc<SampledSpectra>>,
+}
+
+impl Projection {
+    /// A map with these weights, row by row.
+    pub fn new(bands: usize, rows: usize, weights: Vec<f32>) -> Projection {
+        let mut sums = BandSums::new(rows, bands);
+        weights
+            .chunks_exact(bands)
+            .enumerate()
+            .for_each(|(row, weights)| sums.set(row, weights.iter().copied()));
+        Projection { bands, rows, sums, stored: (0..bands).map(|i| (i, 1.0)).collect(), kept: None }
+    }
+
+    /// Every band kept as it is.
+    pub fn identity(bands: usize) -> Projection {
+        let weights =
+            (0..bands * bands).map(|i| if i % (bands + 1) == 0 { 1.0 } else { 0.0 }).collect();
+        Projection::new(bands, bands, weights)
+    }
+
+    /// The weight of a row in a band.
+    pub fn weight(&self, row: usize, band: usize) -> f32 {
+        self.sums.weight(row, band)
+    }
+
+    /// The same map, which remembers the spectra of some places.
+    pub fn keeping(&self, kept: Arc<SampledSpectra>) -> Projection {
+        Projection { kept: Some(kept), ..self.clone() }
+    }
+
+    /// The same map for bands that are stored in another order and scale: stored band `i` is band
+    /// `order[i]` of this map and is multiplied by `scale[i]` on the way.
+    pub fn reordered(&self, order: &[usize], scale: &[f64]) -> Projection {
+        let mut sums = BandSums::new(self.rows, order.len());
+        for row in 0..self.rows {
+            let scaled =
+                |(&band, s): (&usize, &f64)| (f64::from(self.weight(row, band)) * s) as f32;
+            sums.set(row, order.iter().zip(scale).map(scaled));
+        }
+        let stored = order.iter().copied().zip(scale.iter().copied()).collect();
+        Projection { bands: order.len(), rows: self.rows, sums, stored, kept: self.kept.clone() }
+    }
+
+    /// Projects one row: `bands` runs of `width` samples in, `rows` runs of `width` sums out, added
+    /// in band order.
+    pub fn project(&self, bands: &[f32], out: &mut [f32]) {
+        let width = bands.len() / self.bands;
+        self.sums.project(PlaneTile::whole(bands, width), out);
+    }
+
+    /// Columns of the places in row `y` whose spectra are to be remembered.
+    pub fn kept_columns(&self, y: usize) -> impl Iterator<Item = usize> + '_ {
+        let places = self.kept.iter().flat_map(|kept| kept.places.iter());
+        places.filter(move |[_, row]| *row == y).map(|[x, _]| *x)
+    }
+
+    /// Remembers the spectra of the places that lie in row `y`; `bands` begins at column `left` of
+    /// the frame.
+    pub fn remember(&self, y: usize, left: usize, bands: &[f32]) {
+        let Some(kept) = &self.kept else { return };
+        let width = bands.len() / self.bands;
+        for (place, spectrum) in
+            kept.places.iter().zip(&kept.spectra).filter(|([_, row], _)| *row == y)
+        {
+            let Some(x) = place[0].checked_sub(left).filter(|x| *x < width) else { continue };
+            let mut values = vec![0.0; self.bands];
+            for (i, &(band, scale)) in self.stored.iter().enumerate() {
+                values[band] = f64::from(bands[i * width + x]) * scale;
+            }
+            if let Ok(mut spectrum) = spectrum.lock() {
+                *spectrum = values;
+            }
+        }
+    }
+}
+
+/// The spectra of a few places of one frame, as they were before any projection.
+#[derive(Debug)]
+pub struct SampledSpectra {
+    places: Vec<[usize; 2]>,
+    spectra: Vec<Mutex<Vec<f64>>>,
+}
+
+/// Rooms for the same places are alike, whatever they hold.
+impl PartialEq for SampledSpectra {
+    fn eq(&self, other: &SampledSpectra) -> bool {
+        self.places == other.places
+    }
+}
+
+impl SampledSpectra {
+    /// Room for these places: column and row of each.
+    pub fn new(places: &[[usize; 2]]) -> Self {
+        SampledSpectra {
+            places: places.to_vec(),
+            spectra: places.iter().map(|_| Mutex::new(Vec::new())).collect(),
+        }
+    }
+
+    /// Radiance of place `i`, band by band; empty where the frame had no data.
+    pub fn spectrum(&self, i: usize) -> Vec<f64> {
+        self.spectra[i]
+            .lock()
+            .map_or_else(|poisoned| poisoned.into_inner().clone(), |spectrum| spectrum.clone())
+    }
+}
