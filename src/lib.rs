@@ -37,6 +37,7 @@
 //! | [`display`] | tone reproduction, gamut, encoding | |
 //! | [`frames`] | files in and out, the built-in scene | a file format: a reader that implements [`frames::Footage`] |
 //! | [`config`] | TOML -> everything above | a key: a field in `config/settings.rs`, a range in `check.rs` |
+//! | [`page`] | `report.html` and the live page: one HTML file | a panel: a script in `page/`, a line in [`page`] |
 //! | [`eye::plan`], [`eye::check`] | what may be left out and at what cost; a few hundred places at full model beside the run | |
 //! | [`run`] | the loop: reader, eye, writer; checkpoints, report | |
 //! | [`sweep`] | cases and durations, their table and contact sheet | |
@@ -83,6 +84,7 @@ pub mod light;
 pub mod observer;
 #[doc = include_str!("paper.md")]
 pub mod paper {}
+pub mod page;
 pub mod run;
 pub mod spectrum;
 pub mod step;

@@ -48,7 +48,7 @@ fn a_run_killed_at_any_moment_resumes_to_the_same_bytes() {
     assert_eq!(finish(folder.path(), &["--out", "whole"]), 0);
     let took = begun.elapsed();
     let whole = files(&folder.path().join("whole"));
-    assert_eq!(whole.len(), 60 * 3 + 3);
+    assert_eq!(whole.len(), 60 * 3 + 4);
     let mut killed = 0;
     for moment in 0..20u32 {
         let out = format!("killed{moment}");

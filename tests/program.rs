@@ -67,12 +67,13 @@ fn a_run_leaves_what_its_contract_says() {
         "probes.csv",
         "probes.svg",
         "report.json",
+        "report.html",
     ] {
         assert!(o.join(name).metadata().is_ok_and(|m| m.len() > 0), "{name}");
     }
     assert_eq!(
         std::fs::read_dir(&o).unwrap().count(),
-        3 + 3 + 5,
+        3 + 3 + 6,
         "nothing else, no checkpoint, no temporary file"
     );
     let trace = std::fs::read_to_string(o.join("trace.csv")).unwrap();

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use crate::error::{Error, Result};
+use crate::page;
 use crate::run::checkpoint::{self, Checkpoint};
 
 /// What to do with a folder that is not empty.
@@ -145,6 +146,7 @@ fn is_ours(name: &str) -> bool {
         "probes.csv",
         "probes.svg",
         "report.json",
+        page::REPORT,
         "state.exr",
         "video.ffconcat",
         checkpoint::NAME,

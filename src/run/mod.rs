@@ -32,6 +32,7 @@ use crate::error::{Error, Result};
 use crate::eye::check::Check;
 use crate::frames;
 use crate::light::Planes;
+use crate::page;
 
 use checkpoint::Checkpoint;
 use eye::Eye;
@@ -276,6 +277,10 @@ fn finish(
         },
     });
     frames::atomic::write_text(&folder.join("report.json"), &format!("{report:#}\n"))?;
+    if config.settings.output.page {
+        page::Report { title: &config.name, cases: vec![page::of_run(folder)?], report: &report }
+            .write(folder)?;
+    }
     Checkpoint::remove(folder)?;
     film(config, scene, folder, watch)?;
     Ok(Outcome { report, went_on: eye.counters.went_on() || failed.is_some(), already: false })

@@ -13,6 +13,7 @@ use serde_json::{Value, json};
 use crate::config::{Config, Sweep};
 use crate::error::{Error, Result};
 use crate::frames::{self, atomic};
+use crate::page;
 use crate::run::{self, Existing};
 
 /// Which sweep a folder holds.
@@ -153,6 +154,17 @@ impl Folder {
         Ok(path)
     }
 
+    /// Makes the page of all cases.
+    pub fn write_page(&self, sweep: &Sweep) -> Result<()> {
+        let config = &sweep.cases[0].config;
+        if !config.settings.output.page {
+            return Ok(());
+        }
+        let report = json!({ "config": run::resolved(&config.settings), "version": env!("CARGO_PKG_VERSION") });
+        let cases = page::of_sweep(&self.path, &sweep.keys)?;
+        page::Report { title: &config.name, cases, report: &report }.write(&self.path)
+    }
+
     /// Removes what processes that were stopped in the middle of a file left beside it.
     pub fn tidy(&self) -> Result<()> {
         let names = names(&self.path)?;
@@ -226,7 +238,8 @@ fn case_number(name: &str) -> Option<usize> {
 
 /// Files of the sweep's folder, or of a case's, that a sweep writes.
 fn is_ours(name: &str) -> bool {
-    let fixed = [SETTINGS, TABLE, CONTACT, PLOT, "cells.csv", "cells.png", "case.json"];
+    let fixed =
+        [SETTINGS, TABLE, CONTACT, PLOT, page::REPORT, "cells.csv", "cells.png", "case.json"];
     let begins = |head: &str, tail: &str| name.starts_with(head) && name.ends_with(tail);
     fixed.contains(&name)
         || begins("seen.", ".exr")

@@ -311,6 +311,7 @@ fn gather(sweep: &Sweep, folder: &Folder, left: &[Left]) -> Result<PathBuf> {
     atomic::write_text(&table, &all)?;
     contact::write(&folder.path.join(folder::CONTACT), sweep, left)?;
     plot::write(&folder.path.join(folder::PLOT), sweep, left)?;
+    folder.write_page(sweep)?;
     folder.tidy()?;
     Ok(table)
 }
