@@ -36,6 +36,7 @@
 //! | [`eye`] | pigment at every place; a look, with a still or a moving gaze | |
 //! | [`display`] | tone reproduction, gamut, encoding | |
 //! | [`frames`] | files in and out, the built-in scene | a file format: a reader that implements [`frames::Footage`] |
+//! | `plot` | figures: axes, palette, lines and words, as SVG and PNG | |
 //! | [`config`] | TOML -> everything above | a key: a field in `config/settings.rs`, a range in `check.rs` |
 //! | [`page`] | `report.html` and the live page: one HTML file | a panel: a script in `page/`, a line in [`page`] |
 //! | [`eye::plan`], [`eye::check`] | what may be left out and at what cost; a few hundred places at full model beside the run | |
@@ -58,8 +59,8 @@
 //!   grows. Files appear whole or not at all.
 //! * Below [`eye`] nothing loops over pixels but [`kernel`]; below [`frames`] nothing touches a
 //!   file.
-//! * `exr` and `image` are named in [`frames`] only, `toml` in [`config`] only, `clap` in the
-//!   program only.
+//! * `exr` and `image` are named in [`frames`] only, `zeno` and `ttf-parser` in `plot` only, `toml`
+//!   in [`config`] only, `clap` in the program only.
 //! * The library never prints, never exits, and never unwraps what a user gave.
 //!
 //! # What is decided where the sources are silent
@@ -85,6 +86,7 @@ pub mod observer;
 #[doc = include_str!("paper.md")]
 pub mod paper {}
 pub mod page;
+pub(crate) mod plot;
 pub mod run;
 pub mod spectrum;
 pub mod step;

@@ -8,9 +8,9 @@ use crate::observer::{Field, Fundamentals, Reading, Set, Steepness};
 use crate::spectrum::Curve;
 
 use super::Progress;
-use super::axes::{Axis, Panel};
-use super::draw::{Anchor, Ink, Sheet};
-use super::palette::{BLACK, BLUE, FAINT, GREEN, GREY, VERMILION};
+use crate::plot::palette::{BLACK, BLUE, FAINT, GREEN, GREY, VERMILION};
+use crate::plot::{Anchor, Ink, Sheet};
+use crate::plot::{Axis, Panel};
 
 /// Inks of the L, M and S cones.
 const CONE_INKS: [Ink; 3] = [VERMILION, GREEN, BLUE];
@@ -73,7 +73,7 @@ fn weight(sheet: &mut Sheet) {
         let mean: Vec<_> =
             steps().map(|r| panel.at(r, eta(Reading::Pupil, p, 2.0 * r.abs(), 0.0))).collect();
         sheet.polyline(&at_point, ink, 2.4, "");
-        sheet.dashed(&mean, ink, 1.8, 9.0, 6.0);
+        sheet.polyline(&mean, ink, 1.8, "9 6");
     }
     for (i, (p, ink)) in PAPERS_P.into_iter().enumerate() {
         let (x, y) = panel.at(0.0, 0.12 - 0.07 * i as f64);
@@ -140,7 +140,7 @@ fn whole(sheet: &mut Sheet) {
         let peak = panel.at(smj.peak_and_width().0, 0.0).0;
         sheet.line((peak, panel.top), (peak, panel.bottom()), GREY, 1.0, "");
         sheet.polyline(&visible(&panel, &smj, 1.0), ink, 2.4, "");
-        sheet.dashed(&visible(&panel, &cie, 1.0), BLACK, 1.4, 5.0, 6.0);
+        sheet.polyline(&visible(&panel, &cie, 1.0), BLACK, 1.4, "5 6");
     }
     legend(sheet, (95.0, panel.top - 10.0), GREY, 2.4, "", "SMJ 1993 (paper)");
     legend(sheet, (285.0, panel.top - 10.0), BLACK, 1.4, "5 6", "CIE 2006 (default)");
@@ -154,9 +154,9 @@ fn bleached(sheet: &mut Sheet) {
         let half = eye.depleted(k, 0.5);
         let peak = panel.at(half.peak_and_width().0, 0.0).0;
         sheet.line((peak, panel.top), (peak, panel.bottom()), FAINT, 1.0, "");
-        sheet.dashed(&visible(&panel, eye.unbleached(k), 1.0), ink, 1.2, 2.0, 4.0);
+        sheet.polyline(&visible(&panel, eye.unbleached(k), 1.0), ink, 1.2, "2 4");
         sheet.polyline(&visible(&panel, &half, 1.0 / half.peak()), ink, 2.4, "");
-        sheet.dashed(&visible(&panel, &half, 1.0), ink, 1.8, 9.0, 6.0);
+        sheet.polyline(&visible(&panel, &half, 1.0), ink, 1.8, "9 6");
     }
     legend(sheet, (695.0, panel.top - 10.0), GREY, 1.2, "2 4", "whole");
     legend(sheet, (795.0, panel.top - 10.0), GREY, 2.4, "", "narrowed (paper)");

@@ -5,11 +5,8 @@
 //! at every eighth place in both directions. Costs are for light in memory to percept in memory, on
 //! the pool of the caller.
 
-use super::axes::{Axis, Panel};
 use super::difference::{ciede2000, lab};
-use super::draw::{Anchor, Ink, Marker, Sheet};
 use super::ladder_scenes::{Scene, scenes};
-use super::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION};
 use super::{Progress, write_csv};
 use crate::colour;
 use crate::display::Display;
@@ -19,6 +16,9 @@ use crate::eye::retina::{Model, Retina};
 use crate::eye::{Viewer, survey};
 use crate::kinetics::Kinetics;
 use crate::light::Planes;
+use crate::plot::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION};
+use crate::plot::{Anchor, Ink, Marker, Sheet};
+use crate::plot::{Axis, Panel};
 use crate::spectrum::Curve;
 use crate::step::{self, Method};
 use crate::units::{Millimetres, Seconds, Trolands};

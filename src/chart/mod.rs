@@ -1,27 +1,24 @@
 //! Charts that the program makes of itself: each writes `<name>.csv`, `.svg` and `.png` into a
 //! folder.
 //!
-//! A chart is a function and a row of [`CHARTS`]; [`draw`] is the only module that knows how ink is
-//! laid.
+//! A chart is a function and a row of [`CHARTS`]; the ink is laid by the room `plot`.
 
-pub mod axes;
 mod difference;
-pub mod draw;
 mod fundamentals;
 mod ladder;
 mod ladder_scenes;
 mod machine;
-pub(crate) mod palette;
+mod methods;
 mod pigment;
 mod scenes;
 mod stability;
 mod stability_map;
-pub mod validation;
 mod verdict;
 mod work;
 mod work_precision;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::frames::atomic;
 use std::path::Path;
 
 /// Takes the progress of a chart, line by line.
@@ -49,9 +46,8 @@ pub fn write_csv(
     header: &str,
     rows: impl Iterator<Item = String>,
 ) -> Result<()> {
-    let path = out_dir.join(format!("{name}.csv"));
     let table = std::iter::once(header.to_owned())
         .chain(rows)
         .fold(String::new(), |text, row| text + &row + "\n");
-    std::fs::write(&path, table).map_err(Error::io(&path, "write"))
+    atomic::write_text(&out_dir.join(format!("{name}.csv")), &table)
 }

@@ -1,11 +1,12 @@
 //! `pigment`: how fast light bleaches cones and rods, where that ends, and how they recover.
 
-use super::axes::{Axis, Panel, power};
-use super::draw::{Anchor, Ink, Marker, Sheet};
-use super::palette::{BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION};
 use super::{Progress, write_csv};
 use crate::error::Result;
 use crate::kinetics::Kinetics;
+use crate::plot::axes::power;
+use crate::plot::palette::{BLACK, BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION};
+use crate::plot::{Anchor, Ink, Marker, Sheet};
+use crate::plot::{Axis, Panel};
 use crate::step::advance;
 use crate::units::{Seconds, Trolands};
 use std::path::Path;

@@ -1,12 +1,13 @@
 //! `stability`: every method against h lambda, coloured by the error of one step, limits measured
 //! and in theory.
 
-use super::axes::{Axis, Panel, power};
-use super::draw::{Anchor, Ink, Marker, Sheet};
-use super::palette::{BLACK, BLUE, GREY, VERMILION, WHITE};
 use super::stability::{Measured, amplification, measure};
 use super::{Progress, write_csv};
 use crate::error::Result;
+use crate::plot::axes::power;
+use crate::plot::palette::{BLACK, BLUE, GREY, VERMILION, WHITE};
+use crate::plot::{Anchor, Ink, Marker, Sheet};
+use crate::plot::{Axis, Panel};
 use std::path::Path;
 
 pub(super) fn write(out_dir: &Path, progress: Progress) -> Result<()> {

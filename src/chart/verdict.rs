@@ -1,11 +1,10 @@
 //! The table above the work-precision panels: what each method costs where it keeps the budget, or
 //! how it fails.
 
-use super::draw::{Anchor, Ink, Sheet};
-use super::palette::{
-    BLACK, GREEN, GREY, PALE_GREEN, PALE_GREY, PALE_RED, VERMILION, WHITE, of_method,
-};
+use super::methods::of_method;
 use super::work::{Failure, Point};
+use crate::plot::palette::{BLACK, GREEN, GREY, PALE_GREEN, PALE_GREY, PALE_RED, VERMILION, WHITE};
+use crate::plot::{Anchor, Ink, Sheet};
 
 /// What a method is worth on a scene.
 enum Verdict {

@@ -1,14 +1,15 @@
 //! `work-precision`: time per update against error, scene by scene, failures on a rail of their
 //! own.
 
-use super::axes::{Axis, Panel};
-use super::draw::{Anchor, Ink, Marker, Sheet};
-use super::palette::{BLACK, GREY, PALE_GREEN, PALE_RED, VERMILION, WHITE, of_method};
+use super::methods::of_method;
 use super::scenes::scenes;
 use super::verdict::table;
 use super::work::{BUDGET, Failure, Point, Work, laws, measure};
 use super::{Progress, machine, write_csv};
 use crate::error::Result;
+use crate::plot::palette::{BLACK, GREY, PALE_GREEN, PALE_RED, VERMILION, WHITE};
+use crate::plot::{Anchor, Ink, Marker, Sheet};
+use crate::plot::{Axis, Panel};
 use crate::step::{Drive, dormand_prince};
 use crate::units::{Seconds, Trolands};
 use std::path::Path;

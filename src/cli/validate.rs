@@ -3,7 +3,6 @@
 use std::io::IsTerminal;
 use std::process::ExitCode;
 
-use sungaze::chart;
 use sungaze::error::Result;
 use sungaze::frames::atomic::write_text;
 use sungaze::validate::{self, Subject, Verdict};
@@ -22,7 +21,7 @@ pub fn command(common: &Common) -> Result<ExitCode> {
     };
     let validation = validate::validate(&Subject::new(&common.set), &mut progress)?;
     write_text(&folder.join("validate.csv"), &validate::csv(&validation))?;
-    chart::validation::write(&folder, &validation)?;
+    validate::chart::write(&folder, &validation)?;
     if common.json {
         say(&format!("{:#}", validate::rows(&validation)));
     } else {

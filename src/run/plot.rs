@@ -3,11 +3,11 @@
 
 use std::path::Path;
 
-use crate::chart::axes::{Axis, Panel};
-use crate::chart::draw::{Anchor, Ink, Point, Sheet};
-use crate::chart::palette::{BLACK, BLUE, GREEN, PURPLE, VERMILION, WHITE};
 use crate::error::Result;
 use crate::frames::atomic;
+use crate::plot::palette::{BLACK, BLUE, GREEN, PURPLE, VERMILION, WHITE};
+use crate::plot::{Anchor, Ink, Point, Sheet};
+use crate::plot::{Axis, Panel};
 use crate::run::record::Reading;
 
 const WIDTH: f64 = 1200.0;

@@ -5,11 +5,11 @@
 
 use std::path::Path;
 
-use crate::chart::draw::{Anchor, Sheet};
-use crate::chart::palette::BLACK;
 use crate::config::{Case, Sweep};
-use crate::error::{Error, Result};
-use crate::frames;
+use crate::error::Result;
+use crate::plot::palette::BLACK;
+use crate::plot::raster::Canvas;
+use crate::plot::{Anchor, Sheet};
 use crate::sweep::folder::Left;
 
 /// Width of a sheet, pixels: two for each unit of type.
@@ -127,11 +127,11 @@ pub fn write(path: &Path, sweep: &Sweep, left: &[Left]) -> Result<()> {
         y += layout.line;
     }
     let height = (y + GAP / 2).next_multiple_of(2);
-    let mut sheet = words.drawn(&layout, height).map_err(|problem| Error::file(path, problem))?;
+    let mut sheet = words.drawn(&layout, height);
     for (left, cell, at) in places {
-        paste(&mut sheet, layout.width, left, enlarged(left, side), layout.across, cell, at);
+        paste(&mut sheet, left, enlarged(left, side), layout.across, cell, at);
     }
-    frames::write_png(path, layout.width, height, &sheet)
+    sheet.write(path)
 }
 
 /// Words of a sheet: where, what, whether centred.
@@ -155,35 +155,21 @@ impl Words {
         self.0.push(([GAP as f64, y as f64], cut, false));
     }
 
-    /// A white sheet with these words, 8-bit RGB. Only the lines that hold words are drawn, one
-    /// below the other.
-    fn drawn(&self, layout: &Layout, height: usize) -> Result<Vec<u8>, String> {
-        let mut lines: Vec<usize> = self.0.iter().map(|word| word.0[1] as usize).collect();
-        lines.dedup();
-        let words_height = (lines.len() * layout.line).max(2);
-        let mut sheet = Sheet::new(layout.width as f64 / 2.0, words_height as f64 / 2.0);
+    /// A white picture with these words, two pixels to the unit.
+    fn drawn(&self, layout: &Layout, height: usize) -> Canvas {
+        let mut sheet = Sheet::new(layout.width as f64 / 2.0, height as f64 / 2.0);
         for ([x, y], words, centred) in &self.0 {
-            let line = lines.iter().position(|&line| line == *y as usize).unwrap_or(0);
-            let at = (x / 2.0, (line as f64 + 0.72) * layout.line as f64 / 2.0);
+            let at = (x / 2.0, (y + 0.72 * layout.line as f64) / 2.0);
             let anchor = if *centred { Anchor::Middle } else { Anchor::Start };
             sheet.text(at, words, layout.size(), anchor, BLACK);
         }
-        let drawn = frames::decode_png(&sheet.png()?)
-            .filter(|drawn| (drawn.0, drawn.1) == (layout.width, words_height));
-        let (_, _, drawn) = drawn.ok_or("the words of the sheet could not be drawn")?;
-        let mut white = vec![255; 3 * layout.width * height];
-        let bytes = 3 * layout.width * layout.line;
-        for (&y, drawn) in lines.iter().zip(drawn.chunks_exact(bytes)) {
-            white[3 * layout.width * y..][..bytes].copy_from_slice(drawn);
-        }
-        Ok(white)
+        Canvas::of(&sheet, 2.0)
     }
 }
 
 /// Puts a cell's picture into its column of the sheet.
 fn paste(
-    sheet: &mut [u8],
-    width: usize,
+    sheet: &mut Canvas,
     left: &Left,
     times: usize,
     across: usize,
@@ -191,15 +177,11 @@ fn paste(
     [x, y]: [usize; 2],
 ) {
     let [w, h] = left.done.size;
-    let x = x + (across - w * times) / 2;
-    let picture = left.pictures.chunks_exact(3 * w).skip(cell * h).take(h);
-    for (i, row) in picture.enumerate() {
-        let wide: Vec<u8> = row.chunks_exact(3).flat_map(|pixel| pixel.repeat(times)).collect();
-        for repeat in 0..times {
-            let begin = 3 * ((y + i * times + repeat) * width + x);
-            sheet[begin..begin + wide.len()].copy_from_slice(&wide);
-        }
-    }
+    let rows = left.pictures.chunks_exact(3 * w).skip(cell * h).take(h);
+    let wide = rows
+        .map(|row| row.chunks_exact(3).flat_map(|pixel| pixel.repeat(times)).collect::<Vec<u8>>());
+    let picture: Vec<u8> = wide.flat_map(|row| row.repeat(times)).collect();
+    sheet.paste([x + (across - w * times) / 2, y], w * times, &picture);
 }
 
 /// What sets a case apart: the last words of its keys with their values.

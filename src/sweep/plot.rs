@@ -3,12 +3,12 @@
 
 use std::path::Path;
 
-use crate::chart::axes::{Axis, Panel};
-use crate::chart::draw::{Anchor, Ink, Marker, Point, Sheet};
-use crate::chart::palette::{BLACK, BLUE, GREEN, GREY, PURPLE, VERMILION};
 use crate::config::Sweep;
 use crate::error::Result;
 use crate::frames::atomic;
+use crate::plot::palette::{BLACK, BLUE, GREEN, GREY, PURPLE, VERMILION};
+use crate::plot::{Anchor, Ink, Marker, Point, Sheet};
+use crate::plot::{Axis, Panel};
 use crate::run::plot::{inside, note_breaks};
 use crate::sweep::contact::{self, MOST_CASES};
 use crate::sweep::folder::{Left, Steady};

@@ -7,6 +7,7 @@
 //! a row states both numbers and judges nothing.
 
 mod anchors;
+pub mod chart;
 mod exposure;
 mod limit;
 mod observer;

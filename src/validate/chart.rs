@@ -3,14 +3,15 @@
 
 use std::path::Path;
 
+use super::{Check, Field, Validation, Verdict, summary};
 use crate::error::Result;
-use crate::validate::{Check, Field, Validation, Verdict, summary};
 
-use super::axes::{Axis, Panel, power};
-use super::draw::{Anchor, Ink, Marker, Sheet};
-use super::palette::{
+use crate::plot::axes::power;
+use crate::plot::palette::{
     BLACK, BLUE, FAINT, GREEN, GREY, ORANGE, PALE_GREEN, PALE_RED, PURPLE, SKY, VERMILION,
 };
+use crate::plot::{Anchor, Ink, Marker, Sheet};
+use crate::plot::{Axis, Panel};
 
 /// Draws what a validation found.
 pub fn write(out_dir: &Path, validation: &Validation) -> Result<()> {

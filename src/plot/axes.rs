@@ -1,7 +1,7 @@
 //! A panel: two axes, their ticks and labels, and where a value lies between them.
 
-use super::draw::{Anchor, Point, Sheet};
 use super::palette::{BLACK, FAINT};
+use super::sheet::{Anchor, Point, Sheet};
 
 /// One axis. Logarithmic axes are marked at whole powers of ten, `every` so many.
 #[derive(Clone, Copy, Debug)]
@@ -45,7 +45,7 @@ impl Axis<'_> {
 }
 
 /// 10 to a whole power, in type: 10⁻³; 1 and 10 as they are.
-pub(super) fn power(exponent: f64) -> String {
+pub fn power(exponent: f64) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     match exponent as i64 {
         0 => "1".to_owned(),

@@ -1,0 +1,14 @@
+//! Figures: sheets of axes, lines, marks and words, written as SVG and PNG.
+//!
+//! An SVG is a list of the same items that the PNG is made of, set in the same typeface, so the two look alike. A
+//! figure is for a page 16 cm wide: on a sheet 1000 units across, type of 16 units is then 7 points high.
+
+pub mod axes;
+pub mod font;
+pub mod palette;
+pub mod raster;
+mod sheet;
+mod svg;
+
+pub use axes::{Axis, Panel};
+pub use sheet::{Anchor, Ink, Marker, Point, Sheet};
