@@ -84,30 +84,49 @@ fn a_run_killed_at_any_moment_resumes_to_the_same_bytes() {
     assert!(killed > 5, "only {killed} of 20 runs were still going when killed");
 }
 
+/// Sends a signal to a run once a file is there.
 #[cfg(unix)]
-#[test]
-fn an_interrupted_run_finishes_its_frame_and_can_go_on() {
-    let folder = tempfile::tempdir().unwrap();
-    let set = ["--out", "o", "--set", "time.duration_s=3600", "--set", "time.fps=1"];
-    let mut child = start(folder.path(), &set);
-    let at = folder.path().join("o");
-    let begun = Instant::now();
-    while !at.join("seen.0002.exr").exists() && begun.elapsed() < Duration::from_secs(60) {
+fn signalled(mut child: Child, signal: &str, once: &Path) -> Option<i32> {
+    while !once.exists() && child.try_wait().unwrap().is_none() {
         std::thread::sleep(Duration::from_millis(5));
     }
     assert!(
-        Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success()
+        Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success()
     );
-    assert_eq!(child.wait().unwrap().code(), Some(130));
-    assert!(at.join("checkpoint.sungaze").exists());
-    let rows = std::fs::read_to_string(at.join("trace.csv")).unwrap().lines().count() - 1;
-    let written = files(&at).keys().filter(|name| name.starts_with("seen.")).count();
-    assert_eq!(rows, written, "a row of the trace for every frame");
-    let changed = finish(
-        folder.path(),
-        &["--out", "o", "--resume", "--set", "time.duration_s=3600", "--set", "time.fps=2"],
-    );
-    assert_eq!(changed, 2, "changed settings are refused");
+    child.wait().unwrap().code()
+}
+
+#[cfg(unix)]
+#[test]
+fn a_run_that_is_interrupted_or_terminated_finishes_its_frame_and_can_go_on() {
+    for signal in ["-INT", "-TERM"] {
+        let folder = tempfile::tempdir().unwrap();
+        let at = folder.path().join("o");
+        let child = start(
+            folder.path(),
+            &["--out", "o", "--set", "time.duration_s=3600", "--set", "time.fps=1"],
+        );
+        assert_eq!(signalled(child, signal, &at.join("seen.0002.exr")), Some(130));
+        assert!(at.join("checkpoint.sungaze").exists());
+        let rows = std::fs::read_to_string(at.join("trace.csv")).unwrap().lines().count() - 1;
+        let written = files(&at).keys().filter(|name| name.starts_with("seen.")).count();
+        assert_eq!(rows, written, "a row of the trace for every frame");
+        let changed = finish(
+            folder.path(),
+            &["--out", "o", "--resume", "--set", "time.duration_s=3600", "--set", "time.fps=2"],
+        );
+        assert_eq!(changed, 2, "changed settings are refused");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_frame_of_hours_is_left_when_the_user_asks_to_stop() {
+    let folder = tempfile::tempdir().unwrap();
+    let slow =
+        ["--out", "o", "--set", "observer.kinetics=rate-limited", "--set", "numerics.budget=1e-12"];
+    let child = start(folder.path(), &[&slow[..], &["--set", "input.width=4000"]].concat());
+    assert_eq!(signalled(child, "-INT", &folder.path().join("o/trace.csv")), Some(130));
 }
 
 #[cfg(unix)]

@@ -1,7 +1,7 @@
 //! The program as a user meets it: outputs, exit codes, messages.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 use sungaze::frames::{About, Compression, write_exr};
 use sungaze::light::{Planes, Samples};
@@ -375,6 +375,62 @@ fn a_missing_configuration_is_named() {
     let output = sungaze(folder.path(), &["run", "nowhere.toml"]);
     assert_eq!(code(&output), 2);
     assert!(told(&output).contains("nowhere.toml"));
+}
+
+/// The program with its stdout and stderr going where they cannot be written.
+#[cfg(target_os = "linux")]
+fn unheard(folder: &Path, arguments: &[&str], [out, err]: [&str; 2]) -> i32 {
+    let to = |name: &str| match name {
+        // A pipe whose reader has gone away.
+        "closed" => Stdio::from(std::io::pipe().unwrap().1),
+        file => Stdio::from(std::fs::OpenOptions::new().write(true).open(file).unwrap()),
+    };
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sungaze"));
+    command.current_dir(folder).args(arguments).stdout(to(out)).stderr(to(err));
+    command.status().unwrap().code().unwrap_or(-1)
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_closed_pipe_or_a_full_log_ends_no_run() {
+    let folder = folder();
+    let run = |out: &str, more: &[&str], to| {
+        unheard(folder.path(), &[&["run", "--out", out], &SMALL[..], more].concat(), to)
+    };
+    assert_eq!(run("closed", &[], ["closed", "closed"]), 0);
+    assert_eq!(run("full", &[], ["/dev/null", "/dev/full"]), 0);
+    for out in ["closed", "full"] {
+        assert!(folder.path().join(out).join("report.json").exists(), "{out}");
+    }
+    assert_eq!(
+        run("o", &["--set", "observer.agee=3"], ["/dev/null", "closed"]),
+        2,
+        "the mistake keeps its code"
+    );
+    assert_eq!(
+        run("p", &["--json"], ["/dev/full", "closed"]),
+        1,
+        "a result that nobody gets is a failure"
+    );
+    assert_eq!(unheard(folder.path(), &["inspect", "nothing.exr"], ["closed", "/dev/full"]), 1);
+}
+
+#[test]
+fn nothing_prints_but_the_one_writer() {
+    fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+        for path in std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() { sources(&path, found) } else { found.push(path) }
+        }
+    }
+    let mut files = Vec::new();
+    sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut files);
+    assert!(files.len() > 50, "{files:?}");
+    for file in files.iter().filter(|file| file.extension().is_some_and(|e| e == "rs")) {
+        let text = std::fs::read_to_string(file).unwrap();
+        for print in ["print!", "println!", "dbg!", "std::process::exit"] {
+            assert!(!text.contains(print), "{} has {print}, which panics or exits", file.display());
+        }
+    }
 }
 
 #[test]

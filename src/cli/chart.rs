@@ -26,7 +26,7 @@ pub fn command(names: &[String], common: &Common) -> Result<ExitCode> {
     for chart in charts {
         let mut progress = |line: &str| {
             if !common.quiet {
-                eprintln!("{line}");
+                say::message(line);
             }
         };
         (chart.write)(&folder, &mut progress)?;
@@ -37,11 +37,11 @@ pub fn command(names: &[String], common: &Common) -> Result<ExitCode> {
                 if csv.exists() { table::rows(&csv)? } else { Value::Null },
             );
         } else {
-            say(&format!("{}", csv.with_extension("png").display()));
+            say::result(&format!("{}", csv.with_extension("png").display()))?;
         }
     }
     if common.json {
-        say(&format!("{:#}", Value::Object(rows)));
+        say::result(&format!("{:#}", Value::Object(rows)))?;
     }
     Ok(ExitCode::SUCCESS)
 }

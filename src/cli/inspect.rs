@@ -24,15 +24,15 @@ pub fn command(files: &[PathBuf], common: &Common) -> Result<ExitCode> {
     for file in files {
         match frames::inspect(file, &options, &weights) {
             Ok(inspection) if common.json => found.push(serde_json::json!(inspection)),
-            Ok(inspection) => say(&inspection.to_string()),
+            Ok(inspection) => say::result(&inspection.to_string())?,
             Err(error) => {
-                eprintln!("sungaze: {error}");
+                say::failure(&error);
                 failed = Some(error);
             }
         }
     }
     if common.json {
-        say(&format!("{:#}", serde_json::Value::Array(found)));
+        say::result(&format!("{:#}", serde_json::Value::Array(found)))?;
     }
     Ok(failed.map_or(ExitCode::SUCCESS, |error| ExitCode::from(error.exit_code())))
 }

@@ -5,6 +5,8 @@ mod completions;
 mod inspect;
 mod plan;
 mod run;
+mod say;
+mod stop;
 mod sweep;
 mod table;
 mod validate;
@@ -157,13 +159,13 @@ impl Common {
 /// Parses the arguments, runs the command and gives the exit code.
 pub fn main() -> ExitCode {
     let command = Cli::parse().command;
-    match dispatch(command) {
-        Ok(code) => code,
-        Err(error) => {
-            eprintln!("sungaze: {error}");
+    let resumable = matches!(command, Command::Run { .. } | Command::Sweep { .. });
+    stop::unless_asked(resumable, || {
+        dispatch(command).unwrap_or_else(|error| {
+            say::failure(&error);
             ExitCode::from(error.exit_code())
-        }
-    }
+        })
+    })
 }
 
 fn dispatch(command: Command) -> Result<ExitCode> {
@@ -174,21 +176,6 @@ fn dispatch(command: Command) -> Result<ExitCode> {
         Command::Plan { config, common } => plan::command(&config, &common),
         Command::Inspect { files, common } => inspect::command(&files, &common),
         Command::Validate { common } => validate::command(&common),
-        Command::Completions { shell } => {
-            completions::command(shell, &mut Cli::command());
-            Ok(ExitCode::SUCCESS)
-        }
-    }
-}
-
-/// Prints a line of results. A reader that has gone away is not an error; a full disk is.
-pub fn say(text: &str) {
-    use std::io::{ErrorKind, Write};
-    match writeln!(std::io::stdout().lock(), "{text}") {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            eprintln!("sungaze: stdout: cannot write: {error}");
-            std::process::exit(1);
-        }
-        _ => {}
+        Command::Completions { shell } => completions::command(shell, &mut Cli::command()),
     }
 }

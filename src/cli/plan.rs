@@ -19,7 +19,7 @@ pub fn command(path: &Path, common: &Common) -> Result<ExitCode> {
     let plan = run::rehearse(&config, &terminal);
     terminal.end();
     let plan = plan?;
-    say(&if common.json { format!("{plan:#}") } else { in_words(&plan) });
+    say::result(&if common.json { format!("{plan:#}") } else { in_words(&plan) })?;
     Ok(ExitCode::SUCCESS)
 }
 

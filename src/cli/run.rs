@@ -20,16 +20,16 @@ pub fn command(path: Option<&Path>, common: &Common) -> Result<ExitCode> {
     terminal.end();
     let outcome = outcome?;
     if common.json {
-        say(&format!("{:#}", outcome.report));
+        say::result(&format!("{:#}", outcome.report))?;
     } else if outcome.already {
-        say(&format!("{}: the run is complete already", folder.display()));
+        say::result(&format!("{}: the run is complete already", folder.display()))?;
     } else {
         let seconds = outcome.report["timing"]["wall_s"].as_f64().unwrap_or(0.0);
-        say(&format!(
+        say::result(&format!(
             "{}: {} frames in {seconds:.1} s",
             folder.display(),
             outcome.report["frames"]["count"]
-        ));
+        ))?;
     }
     Ok(ExitCode::from(if outcome.went_on { 3 } else { 0 }))
 }

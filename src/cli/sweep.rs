@@ -32,7 +32,7 @@ pub struct Asked {
 pub fn command(path: &Path, asked: &Asked, common: &Common) -> Result<ExitCode> {
     let config = Config::load(Some(path), &common.set)?;
     if asked.list {
-        list(&config.sweep()?, common.json);
+        list(&config.sweep()?, common.json)?;
         return Ok(ExitCode::SUCCESS);
     }
     common.pool()?;
@@ -48,9 +48,9 @@ pub fn command(path: &Path, asked: &Asked, common: &Common) -> Result<ExitCode> 
     let outcome = outcome?;
     if common.json {
         let rows = outcome.table.as_deref().map_or(Ok(Value::Array(Vec::new())), table::rows)?;
-        say(&format!("{rows:#}"));
+        say::result(&format!("{rows:#}"))?;
     } else if part == Part::Merge {
-        say(&format!("{}: all cases gathered", folder.display()));
+        say::result(&format!("{}: all cases gathered", folder.display()))?;
     } else {
         let kept = if outcome.kept > 0 {
             format!(", {} finished before", outcome.kept)
@@ -58,12 +58,12 @@ pub fn command(path: &Path, asked: &Asked, common: &Common) -> Result<ExitCode> 
             String::new()
         };
         let cases = if outcome.ran == 1 { "case" } else { "cases" };
-        say(&format!("{}: {} {cases} run{kept}", folder.display(), outcome.ran));
+        say::result(&format!("{}: {} {cases} run{kept}", folder.display(), outcome.ran))?;
     }
     Ok(ExitCode::from(if outcome.went_on { 3 } else { 0 }))
 }
 
-fn list(sweep: &Sweep, json: bool) {
+fn list(sweep: &Sweep, json: bool) -> Result<()> {
     let pairs =
         |values: &[String]| sweep.keys.iter().cloned().zip(values.to_vec()).collect::<Vec<_>>();
     if json {
@@ -76,11 +76,15 @@ fn list(sweep: &Sweep, json: bool) {
                     .collect::<Map<_, _>>(),
             )
         };
-        return say(&format!("{:#}", Value::Array(sweep.cases.iter().map(object).collect())));
+        return say::result(&format!(
+            "{:#}",
+            Value::Array(sweep.cases.iter().map(object).collect())
+        ));
     }
     for case in &sweep.cases {
         let values =
             pairs(&case.values).into_iter().map(|(key, value)| format!("  {key} = {value}"));
-        say(&format!("{}{}", case.number, values.collect::<String>()));
+        say::result(&format!("{}{}", case.number, values.collect::<String>()))?;
     }
+    Ok(())
 }

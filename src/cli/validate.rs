@@ -16,17 +16,17 @@ pub fn command(common: &Common) -> Result<ExitCode> {
     common.ready(&folder)?;
     let mut progress = |group: &str| {
         if !common.quiet {
-            eprintln!("{group}");
+            say::message(group);
         }
     };
     let validation = validate::validate(&Subject::new(&common.set), &mut progress)?;
     write_text(&folder.join("validate.csv"), &validate::csv(&validation))?;
     validate::chart::write(&folder, &validation)?;
     if common.json {
-        say(&format!("{:#}", validate::rows(&validation)));
+        say::result(&format!("{:#}", validate::rows(&validation)))?;
     } else {
-        say(&validate::text(&validation, std::io::stdout().is_terminal()));
-        say(&format!("{}", folder.join("validate.csv").display()));
+        say::result(&validate::text(&validation, std::io::stdout().is_terminal()))?;
+        say::result(&format!("{}", folder.join("validate.csv").display()))?;
     }
     Ok(ExitCode::from(u8::from(validation.count(Verdict::Fail) > 0)))
 }

@@ -1,15 +1,14 @@
-//! Progress and messages on stderr, and Ctrl-C.
+//! Progress and messages on stderr.
 
 use std::io::IsTerminal;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use sungaze::run::Watch;
 
-/// Set by Ctrl-C; runs finish the frame in hand and stop.
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+use super::{say, stop};
 
 /// Plain progress lines come this far apart.
 const LINE_EVERY: Duration = Duration::from_secs(5);
@@ -24,10 +23,8 @@ pub struct Terminal {
 }
 
 impl Terminal {
-    /// A bar on a terminal, plain lines elsewhere, nothing if `quiet`. Ctrl-C is taken over.
+    /// A bar on a terminal, plain lines elsewhere, nothing if `quiet`.
     pub fn new(quiet: bool) -> Self {
-        // A second handler in one process is refused, which is as good.
-        let _ = ctrlc::set_handler(|| INTERRUPTED.store(true, Ordering::SeqCst));
         let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
             let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
             let style =
@@ -50,10 +47,8 @@ impl Terminal {
         if done == total || now - last >= LINE_EVERY {
             self.last_line.store(now.as_millis() as u64, Ordering::Relaxed);
             let rate = done as f64 / now.as_secs_f64();
-            eprintln!(
-                "frame {done}/{total}  {rate:.1}/s  {:.0} s left",
-                (total - done) as f64 / rate
-            );
+            let left = (total - done) as f64 / rate;
+            say::message(&format!("frame {done}/{total}  {rate:.1}/s  {left:.0} s left"));
         }
     }
 }
@@ -71,7 +66,7 @@ impl Watch for Terminal {
     }
 
     fn warn(&self, message: &str) {
-        let print = || eprintln!("sungaze: {message}");
+        let print = || say::message(&format!("sungaze: {message}"));
         match &self.bar {
             Some(bar) => bar.suspend(print),
             None => print(),
@@ -79,6 +74,10 @@ impl Watch for Terminal {
     }
 
     fn interrupted(&self) -> bool {
-        INTERRUPTED.load(Ordering::SeqCst)
+        stop::asked()
+    }
+
+    fn leaving(&self) {
+        stop::leaving();
     }
 }

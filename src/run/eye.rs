@@ -155,7 +155,7 @@ impl Eye {
         let look = self.viewer.look(planes, &loaded.survey, gaze, duration, recycled);
         self.viewer.compare(&mut check, planes, loaded.kept.as_deref(), &look, gaze, duration);
         self.check = Some(check);
-        self.meet(&look, step, size[0] * size[1]);
+        self.meet(&look, step);
         let readings: Vec<Reading> =
             self.probes.iter().map(|probe| probe.read(&self.viewer, planes, &look, gaze)).collect();
         if let Some(display) = &self.display {
@@ -191,8 +191,9 @@ impl Eye {
         Some((number, Planes { width: size[0], height: size[1], count: 3, samples }, step.end()))
     }
 
-    fn meet(&mut self, look: &Look, step: &Step, places: usize) {
-        self.counters.meet(step.end(), &look.census, places);
+    fn meet(&mut self, look: &Look, step: &Step) {
+        let [width, height] = self.viewer.retina.size();
+        self.counters.meet(step.end(), &look.census, width * height);
         if self.counters.method_past_limit.is_none() {
             let Viewer { model, pigments, .. } = &self.viewer;
             let past = model.past_limit(pigments, look.census.greatest, Seconds(step.duration));

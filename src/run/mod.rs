@@ -1,8 +1,8 @@
 //! A run: a sequence of frames through the eye, into a folder.
 //!
-//! Three stages with bounded queues between them: a reader decodes ahead, the eye looks, a writer
-//! encodes behind. All share rayon's global pool (within a pool of the caller's own, only the eye
-//! moves there). Pixels and numbers do not depend on how many threads there are.
+//! Three stages with bounded queues between them: a reader decodes ahead, the eye looks, a writer encodes behind.
+//! All share rayon's global pool (within a pool of the caller's own, only the eye moves there). Pixels and numbers do
+//! not depend on how many threads there are.
 
 pub mod checkpoint;
 mod eye;
@@ -21,7 +21,8 @@ pub(crate) mod writer;
 
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
+use std::thread::{Scope, ScopedJoinHandle};
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
@@ -124,9 +125,10 @@ fn stages(
     std::thread::scope(|threads| {
         let sequence = scene.sequence(eye.places_to_check());
         let reader =
-            threads.spawn(move || reader::read_all(sequence, steps, &to_eye, &spent_planes));
-        let writer = threads
-            .spawn(move || writer.write_all(tables, &from_eye, &give_back_seen, watch, progress));
+            started(threads, move || reader::read_all(sequence, steps, &to_eye, &spent_planes))?;
+        let writer = started(threads, move || {
+            writer.write_all(tables, &from_eye, &give_back_seen, watch, progress)
+        })?;
         let links = Links {
             from_reader: &from_reader,
             to_writer,
@@ -142,8 +144,16 @@ fn stages(
     })
 }
 
+/// Starts a stage in a thread of its own.
+fn started<'scope, T: Send + 'scope>(
+    threads: &'scope Scope<'scope, '_>,
+    stage: impl FnOnce() -> T + Send + 'scope,
+) -> Result<ScopedJoinHandle<'scope, T>> {
+    std::thread::Builder::new().spawn_scoped(threads, stage).map_err(Error::io("a thread", "start"))
+}
+
 /// A stage's result; a stage that panicked (our bug) panics here.
-fn join<T>(thread: std::thread::ScopedJoinHandle<'_, T>) -> T {
+fn join<T>(thread: ScopedJoinHandle<'_, T>) -> T {
     thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
@@ -172,14 +182,25 @@ pub(crate) fn digest(bytes: &[u8]) -> String {
     format!("{:016x}", bytes.iter().fold(0xcbf2_9ce4_8422_2325, fnv1a))
 }
 
-/// What ties the eye's stage to its neighbours: frames one way, planes to be written over the
-/// other.
+/// What ties the eye's stage to its neighbours: frames one way, planes to be written over the other.
 struct Links<'a> {
     from_reader: &'a Receiver<Result<Arc<Loaded>>>,
     to_writer: SyncSender<Delivery>,
     give_back: &'a SyncSender<Planes>,
     spent_seen: &'a Receiver<Planes>,
 }
+
+impl Links<'_> {
+    /// `None` if the writer has hung up.
+    fn send(&self, delivery: Delivery) -> Option<()> {
+        self.to_writer.send(delivery).ok()
+    }
+}
+
+/// A frame that takes longer than this has a checkpoint before it: whoever stops the run within it loses little.
+const LONG: Duration = Duration::from_secs(1);
+/// How often a run that waits for a frame asks whether it should stop.
+const OFTEN: Duration = Duration::from_millis(50);
 
 /// The eye's stage: every frame in order, checkpoints now and then.
 fn look_at_all(
@@ -189,42 +210,64 @@ fn look_at_all(
     links: Links<'_>,
     watch: &dyn Watch,
 ) -> Result<()> {
-    let Links { from_reader, to_writer, give_back, spent_seen } = links;
     let every = Duration::from_secs_f64(config.settings.output.checkpoint_s);
-    let adapted = config.settings.observer.start == "adapted";
     let mut last_checkpoint = Instant::now();
     let mut held: Option<usize> = None;
     while eye.done < scene.steps.len() {
+        if watch.interrupted() {
+            return stopped(scene, eye, &links, watch);
+        }
         let step = &scene.steps[eye.done];
-        let Ok(loaded) = from_reader.recv() else { return Ok(()) };
-        let loaded = loaded?;
+        let loaded = match links.from_reader.recv_timeout(OFTEN) {
+            Ok(loaded) => loaded?,
+            Err(RecvTimeoutError::Timeout) => continue,
+            Err(RecvTimeoutError::Disconnected) => return Ok(()),
+        };
         if held != Some(step.file) {
             eye.counters.count(step.number, loaded.frame.tally);
             held = Some(step.file);
         }
-        let last = eye.done + 1 == scene.steps.len();
-        let first = adapted && eye.done == 0;
-        let finished = eye.see(&loaded, step, first, last, spent_seen.try_recv().ok());
-        if let Some(spent) = Arc::into_inner(loaded) {
-            // A full queue only means that the planes are dropped here.
-            let _ = give_back.try_send(spent.frame.planes);
-        }
-        if to_writer.send(Delivery::Frame(Box::new(finished))).is_err() {
-            return Ok(());
-        }
-        let stop = watch.interrupted() && !last;
-        if stop || (!last && last_checkpoint.elapsed() >= every) {
+        let begun = Instant::now();
+        let Some(()) = look_at_one(config, scene, eye, &links, loaded) else { return Ok(()) };
+        let due = last_checkpoint.elapsed() >= every || begun.elapsed() >= LONG;
+        if due && eye.done < scene.steps.len() {
             last_checkpoint = Instant::now();
-            if to_writer.send(Delivery::Checkpoint(Box::new(eye.checkpoint(&scene.steps)))).is_err()
-            {
+            let Some(()) = links.send(Delivery::Checkpoint(Box::new(eye.checkpoint(&scene.steps))))
+            else {
                 return Ok(());
-            }
-        }
-        if stop {
-            return Err(Error::Interrupted { resumable: true });
+            };
         }
     }
     Ok(())
+}
+
+/// One frame from the reader to the writer; `None` if the writer has hung up.
+fn look_at_one(
+    config: &Config,
+    scene: &Scene,
+    eye: &mut Eye,
+    links: &Links<'_>,
+    loaded: Arc<Loaded>,
+) -> Option<()> {
+    let adapt = config.settings.observer.start == "adapted" && eye.done == 0;
+    let last = eye.done + 1 == scene.steps.len();
+    let finished =
+        eye.see(&loaded, &scene.steps[eye.done], adapt, last, links.spent_seen.try_recv().ok());
+    if let Some(spent) = Arc::into_inner(loaded) {
+        // A full queue only means that the planes are dropped here.
+        let _ = links.give_back.try_send(spent.frame.planes);
+    }
+    links.send(Delivery::Frame(Box::new(finished)))
+}
+
+/// Leaves a checkpoint of what is done.
+fn stopped(scene: &Scene, eye: &Eye, links: &Links<'_>, watch: &dyn Watch) -> Result<()> {
+    watch.leaving();
+    if eye.done > 0 {
+        // A writer that has hung up says why itself.
+        let _ = links.send(Delivery::Checkpoint(Box::new(eye.checkpoint(&scene.steps))));
+    }
+    Err(Error::Interrupted { resumable: true })
 }
 
 /// Writes the report and the plot, and removes the checkpoint.

@@ -16,6 +16,9 @@ pub trait Watch: Sync {
     fn interrupted(&self) -> bool {
         false
     }
+
+    /// The run has heeded the interruption and is writing what it leaves: give it a moment.
+    fn leaving(&self) {}
 }
 
 /// Nobody.
