@@ -7,8 +7,9 @@ use std::ops::Range;
 use std::path::Path;
 
 use exr::compression::Compression;
-use exr::meta::attribute::IntegerBounds;
+use exr::meta::attribute::{ChannelDescription, IntegerBounds, SampleType};
 use exr::meta::header::Header;
+use exr_blocks::{Damaged, piz};
 
 use crate::error::{Error, Result};
 use crate::frames::exr_file::Part;
@@ -90,20 +91,41 @@ impl<'a> Chunks<'a> {
     }
 }
 
-/// Decompresses one block.
+/// Decompresses one block: PIZ by our own codec, which is several times as fast, the rest by the
+/// `exr` crate.
 pub(super) fn decompressed(
     header: &Header,
     bytes: Vec<u8>,
     area: IntegerBounds,
     path: &Path,
 ) -> Result<Vec<u8>> {
-    let dwa = matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_));
-    if dwa && !dwa_sizes_are_sound(&bytes, header, area) {
-        return Err(Error::file(path, "is damaged: a DWA block claims more than its pixels"));
+    if bytes.len() == area.size.area() * header.channels.bytes_per_pixel {
+        // A block that would not shrink is stored as it is.
+        return Ok(bytes);
     }
-    guarded(path, || {
-        header.compression.decompress_image_section_from_le(header, bytes, area, false)
-    })
+    match header.compression {
+        Compression::PIZ => piz(header, &bytes, area).map_err(|problem| {
+            Error::file(path, format!("is damaged: its pixels cannot be decompressed ({problem})"))
+        }),
+        Compression::DWAA(_) | Compression::DWAB(_)
+            if !dwa_sizes_are_sound(&bytes, header, area) =>
+        {
+            Err(Error::file(path, "is damaged: a DWA block claims more than its pixels"))
+        }
+        _ => guarded(path, || {
+            header.compression.decompress_image_section_from_le(header, bytes, area, false)
+        }),
+    }
+}
+
+fn piz(header: &Header, bytes: &[u8], area: IntegerBounds) -> Result<Vec<u8>, Damaged> {
+    let channel = |channel: &ChannelDescription| piz::Channel {
+        wide: channel.sample_type != SampleType::F16,
+        sampling: (channel.sampling.x(), channel.sampling.y()),
+    };
+    let channels: Vec<piz::Channel> = header.channels.list.iter().map(channel).collect();
+    let top = area.position.y() + header.own_attributes.layer_position.y();
+    piz::decoded(bytes, &channels, area.size.width(), top..top + area.size.height() as i32)
 }
 
 /// The crate allocates what a DWA block's eleven counters claim. None is larger than the block,

@@ -5,14 +5,13 @@
 //! * Footage from files, any format: `footage`; one format each: `exr_*`, `radiance`, `displayed`,
 //!   `envi*`.
 //! * What channels mean: `names`, `channels`. What is wrong with samples: `census`.
-//! * Files out: `written` with `zip`, `deflate` and `huffman`; whole or not at all: [`atomic`].
+//! * Files out: `written`, its blocks encoded by the crate `exr-blocks`; whole or not at all: [`atomic`].
 //! * What a file holds, for people: `inspect*`, `exr_description`.
 
 pub mod atomic;
 pub mod builtin;
 mod census;
 mod channels;
-mod deflate;
 mod displayed;
 mod envi;
 mod envi_header;
@@ -22,7 +21,6 @@ mod exr_file;
 mod exr_picture;
 mod exr_rows;
 mod footage;
-mod huffman;
 mod inspect;
 mod inspect_text;
 mod names;
@@ -33,7 +31,6 @@ mod range;
 mod sequence;
 mod state;
 mod written;
-mod zip;
 
 pub use exr_description::{Channel, ExrDescription};
 pub use exr_picture::read_exr;

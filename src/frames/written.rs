@@ -16,13 +16,13 @@ use exr::meta::attribute::{
     SampleType, Text,
 };
 use exr::meta::header::Header;
+use exr_blocks::zip;
 use half::f16;
 use rayon::prelude::*;
 
 use crate::colour::Primaries;
 use crate::error::{Error, Result};
 use crate::frames::atomic::write_whole;
-use crate::frames::zip;
 use crate::light::{Planes, Row, Samples};
 use crate::units::Nits;
 

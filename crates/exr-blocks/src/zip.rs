@@ -3,10 +3,10 @@
 //!
 //! Technical Introduction to OpenEXR, "Data Compression".
 
-use crate::frames::deflate::{LONGEST_SEGMENT, deflated};
+use crate::deflate::{LONGEST_SEGMENT, deflated};
 
 /// Compresses one block; the block itself where that is not smaller, as the format asks.
-pub(super) fn compressed(block: Vec<u8>) -> Vec<u8> {
+pub fn compressed(block: Vec<u8>) -> Vec<u8> {
     // Low and high bytes of halves have little in common: no segment holds both.
     let half = block.len().div_ceil(2);
     let segments = half.div_ceil(LONGEST_SEGMENT).max(1);

@@ -5,10 +5,10 @@
 //! hold few, and looking for them takes most of a compressor's time. A segment that its code does
 //! not shorten is stored.
 
-use crate::frames::huffman::{Word, code};
+use crate::huffman::{Word, code};
 
 /// The longest segment that can be stored, bytes.
-pub(super) const LONGEST_SEGMENT: usize = 0xffff;
+pub(crate) const LONGEST_SEGMENT: usize = 0xffff;
 /// Bits of the longest word. Deflate allows 15; four of 14 fit 64 bits beside a begun byte.
 const LONGEST_WORD: usize = 14;
 /// A run goes on by so many bytes at a time, up to 256.
@@ -21,7 +21,7 @@ const SYMBOLS: usize = 285;
 const ORDER: [usize; 19] = [16, 17, 18, 0, 8, 7, 9, 6, 10, 5, 11, 4, 12, 3, 13, 2, 14, 1, 15];
 
 /// Compresses bytes, in segments of so many.
-pub(super) fn deflated(bytes: &[u8], segment: usize) -> Vec<u8> {
+pub(crate) fn deflated(bytes: &[u8], segment: usize) -> Vec<u8> {
     let segment = segment.clamp(1, LONGEST_SEGMENT);
     let mut stream = Stream::with_room(bytes.len() + 5 * bytes.len().div_ceil(segment));
     // A window of 32 KiB, no dictionary, the fastest of four levels.
@@ -287,8 +287,12 @@ mod tests {
 
     proptest! {
         #[test]
-        fn whatever_goes_in_comes_back(pairs in prop::collection::vec((any::<u8>(), 1usize..70), 0..200), narrow in 0u8..8) {
-            let bytes: Vec<u8> = pairs.iter().flat_map(|&(byte, n)| std::iter::repeat_n(byte >> narrow, n)).collect();
+        fn whatever_goes_in_comes_back(
+            pairs in prop::collection::vec((any::<u8>(), 1usize..70), 0..200),
+            narrow in 0u8..8,
+        ) {
+            let run = |&(byte, n): &(u8, usize)| std::iter::repeat_n(byte >> narrow, n);
+            let bytes: Vec<u8> = pairs.iter().flat_map(run).collect();
             there_and_back(&bytes);
             there_and_back(&pairs.iter().map(|pair| pair.0 >> narrow).collect::<Vec<_>>());
         }
