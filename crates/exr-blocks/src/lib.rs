@@ -1,6 +1,7 @@
 //! Codecs of OpenEXR blocks: PIZ decoded, ZIP encoded.
 //!
-//! * [`piz`]: PIZ blocks decoded, several times as fast as by the `exr` crate, bit for bit the same.
+//! * [`piz`]: PIZ blocks decoded, several times as fast as by the `exr` crate, bit for bit
+//!   the same.
 //! * [`zip`]: ZIP and ZIPS blocks encoded by a deflate for differences of neighbours and nothing
 //!   else, many times as fast as a general one; any inflate reads them.
 //!

@@ -56,7 +56,8 @@ proptest! {
         kept_bits in 0u32..=16,
         run in 1usize..400,
     ) {
-        let words = kinds.iter().map(|kind| kind.bytes_per_sample() / 2).sum::<usize>() * width * height;
+        let words: usize = kinds.iter().map(|kind| kind.bytes_per_sample() / 2).sum();
+        let words = words * width * height;
         let next = |x: &u32| Some(x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
         let noise: Vec<u32> = std::iter::successors(Some(seed), next).take(words).collect();
         let word = |i: usize| (noise[i / run] >> 16).checked_shr(16 - kept_bits).unwrap_or(0) as u16;
