@@ -86,6 +86,9 @@ pub fn named(name: &str) -> Option<&'static ConstantSet> {
     CONSTANTS.iter().find(|set| set.name == name)
 }
 
+/// The set where none is named.
+pub const STANDARD: &ConstantSet = &CONSTANTS[0];
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -14,6 +14,9 @@ pub enum Error {
     /// The system refused to read or write.
     #[error("{}: cannot {doing}: {source}", path.display())]
     Io { path: PathBuf, doing: &'static str, source: std::io::Error },
+    /// A frame, a gaze or a state that was given in memory cannot be used.
+    #[error("{0}")]
+    Light(String),
     /// The work was interrupted. `resumable`: it can be gone on with.
     #[error("interrupted{}", if *resumable { "; continue with --resume" } else { "" })]
     Interrupted { resumable: bool },
@@ -37,6 +40,11 @@ impl Error {
         Error::File { path: path.as_ref().to_owned(), problem: problem.into() }
     }
 
+    /// A frame, a gaze or a state in memory that cannot be used.
+    pub fn light(problem: impl Into<String>) -> Self {
+        Error::Light(problem.into())
+    }
+
     /// A refusal of the system, for `map_err(Error::io(path, "write"))`.
     pub fn io(path: impl AsRef<Path>, doing: &'static str) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.as_ref().to_owned();
@@ -47,7 +55,7 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         match self {
             Error::Config { .. } => 2,
-            Error::File { .. } | Error::Io { .. } => 1,
+            Error::File { .. } | Error::Io { .. } | Error::Light(_) => 1,
             Error::Interrupted { .. } => 130,
         }
     }

@@ -15,6 +15,7 @@
 //!
 //! In every law p' falls as p grows, so two histories never part: their difference only shrinks.
 
+use crate::constants::{self, ConstantSet};
 use crate::units::{Seconds, Trolands};
 use std::f64::consts::LN_10;
 
@@ -83,7 +84,24 @@ pub struct Kinetics {
     pub tau: Seconds,
 }
 
+/// How dp/dt bends over p from 0 to 1, under any light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Curvature {
+    Straight,
+    Convex,
+    Concave,
+}
+
 impl Kinetics {
+    /// Kinetics of the L, M and S pigments of the standard set of constants.
+    pub fn standard() -> [Kinetics; 3] {
+        let ConstantSet { half_bleach_log_td, tau_s, .. } = constants::STANDARD;
+        [0, 1, 2].map(|k| {
+            let half_bleach = Trolands(10f64.powf(half_bleach_log_td[k]));
+            Kinetics::first_order(half_bleach, Seconds(tau_s[k]))
+        })
+    }
+
     /// The first-order law.
     pub fn first_order(half_bleach: Trolands, tau: Seconds) -> Self {
         Kinetics { law: Law::FirstOrder, half_bleach, tau }
@@ -130,6 +148,15 @@ impl Kinetics {
                 -(rest + norm * bleach * (-density * LN_10 * p).exp())
             }
             Law::RateLimited { km } => -(rest * km * (1.0 + km) / (1.0 - p + km).powi(2) + bleach),
+        }
+    }
+
+    /// The sign of the second derivative of dp/dt by p, on which an enclosure rests.
+    pub fn curvature(&self) -> Curvature {
+        match self.law {
+            Law::FirstOrder => Curvature::Straight,
+            Law::SelfScreened { .. } => Curvature::Convex,
+            Law::RateLimited { .. } => Curvature::Concave,
         }
     }
 

@@ -5,41 +5,65 @@
 //! equation, frame after frame. Out comes the picture that this tired eye perceives. The README
 //! shows the program; these pages are about the library.
 //!
+//! ```
+//! # use ndarray::Array3;
+//! use sungaze::colour::Primaries;
+//! use sungaze::display::Screen;
+//! use sungaze::eye::{Eye, Gaze, Light};
+//! use sungaze::units::{Degrees, Nits, Seconds};
+//!
+//! # let (width, height) = (96, 54);
+//! # let frames = [const { () }; 24].map(|()| Array3::<f32>::ones((height, width, 3)));
+//! let light = Light::rgb(Primaries::REC709, Nits(5000.0)); // the luminance of (1, 1, 1)
+//! let mut eye = Eye::new(light, [width, height], Degrees(40.0))?;
+//! let mut screen = Screen::default();
+//! let mut srgb = vec![0; 3 * width * height];
+//! for frame in &frames {
+//!     let look = eye.look(frame.view(), Gaze::CENTRE, Seconds(1.0 / 24.0))?; // (h, w, 3), f32 or f16
+//!     screen.show(&look, &mut srgb)?; // look.percept is what is seen, scene-linear
+//! }
+//! assert!(eye.unbleached()[[27, 48, 0]] < 1.0); // of L, M and S: (h, w, 3)
+//! # Ok::<(), sungaze::error::Error>(())
+//! ```
+//!
 //! # The path of a frame
 //!
 //! ```text
-//! frames::Footage      a file is decoded block by block; spectral blocks are projected at once onto a few moments
-//!   light::Planes      the frame: RGB in the file's own numbers, or the moments of its spectra
+//! frames::Footage      a file is decoded block by block; spectral blocks are projected at once
+//!   light::Planes      the frame: RGB in the file's own numbers, or the projections of its spectra
 //!   light::Survey      its luminances: the pupil's and the display's view of it
-//!   observer::Pupil         adapting luminance -> diameter
-//!   eye::Viewer        row by row:
-//!     kernel::illuminance     light x pupil x Stiles-Crawford weight -> trolands in each class of cones
-//!     eye::retina::Advance         trolands move the unbleached fraction p: kinetics (which law) by step (which method)
-//!     kernel::percept         the light seen through what pigment is left; the light itself where none is gone
-//!   display::Display   unbleached light -> tone map (slow); percept -> sRGB
+//!   eye::Eye::look_at  the stages, in eye/stages.rs:
+//!     optics           light -> light on the retina
+//!     pupil            adapting luminance -> diameter
+//!     illuminance      light x pupil x Stiles-Crawford weight -> trolands in each class of cones
+//!     pigment          trolands move the unbleached fraction p: kinetics (which law), step (how)
+//!     catch            light seen through what pigment is left
+//!     percept          catches -> the picture's own RGB; the light itself where none is bleached
+//!   display::Screen    unbleached light -> tone map (slow); percept -> sRGB
 //!   frames::write_exr, write_png
 //! ```
 //!
 //! # Where things live
 //!
-//! Each room uses only those above it.
+//! Each room uses only those above it; `tests/rooms.rs` reads this table and keeps that true.
 //!
 //! | room | holds | to add |
 //! |---|---|---|
-//! | [`units`], [`error`], [`spectrum`], [`colour`], [`light`] | one-field unit types, the one error enum, wavelengths and tables, 3x3 matrices, planes of a frame | a published table: a CSV in `data/` and a line in [`spectrum`] |
-//! | [`observer`] | the observer: fundamentals, pupil, Stiles-Crawford effect | a pupil formula: a variant of [`observer::Rule`] |
+//! | [`units`], [`error`] | one-field unit types; the one error enum | |
+//! | [`spectrum`], [`colour`] | wavelengths and tables; primaries and 3x3 matrices | a published table: a CSV in `data/` and a line in [`spectrum`] |
+//! | [`light`] | planes, rows and tiles of a frame, its luminances | |
 //! | [`constants`] | published constants by name | a row |
+//! | [`observer`] | fundamentals, pupil, Stiles-Crawford effect | a pupil formula: a variant of [`observer::Rule`] |
 //! | [`kinetics`] | the laws, as two rates | a variant of [`kinetics::Law`] |
-//! | [`step`] | the methods, as pure functions with a row of theory each | one function and one row of [`step::METHODS`]; the tests and charts go over the table |
-//! | [`vision`] | moments, cone illuminance and catches: the scalar truth | |
-//! | [`kernel`] | the row loops; the only room where speed is written, and `unsafe` allowed | |
-//! | [`eye`] | pigment at every place; a look, with a still or a moving gaze | |
+//! | [`step`] | the methods, as pure functions with a row of theory each | one function and one row of [`step::METHODS`] |
+//! | [`kernel`] | loops on plain arrays: the only room where speed is written, and `unsafe` allowed | |
+//! | [`vision`] | one linear operator: projections of light, illuminance, catches; the scalar truth | |
+//! | [`eye`] | the core: an eye in time, its stages, retina, plan and check | a stage: its file, a line in `stages.rs`, its keys |
 //! | [`display`] | tone reproduction, gamut, encoding | |
-//! | [`frames`] | files in and out, the built-in scene | a file format: a reader that implements [`frames::Footage`] |
+//! | [`frames`] | files in and out, the built-in scene | a format: a file and a line |
 //! | `plot` | figures: axes, palette, lines and words, as SVG and PNG | |
 //! | [`config`] | TOML -> everything above | a key: a field in `config/settings.rs`, a range in `check.rs` |
 //! | [`page`] | `report.html` and the live page: one HTML file | a panel: a script in `page/`, a line in [`page`] |
-//! | [`eye::plan`], [`eye::check`] | what may be left out and at what cost; a few hundred places at full model beside the run | |
 //! | [`run`] | the loop: reader, eye, writer; checkpoints, report | |
 //! | [`sweep`] | cases and durations, their table and contact sheet | |
 //! | [`validate`] | what the program computes beside what it should | a check: a row in the file of its topic |
@@ -47,7 +71,7 @@
 //!
 //! # Invariants
 //!
-//! SampledSpectra by tests, and worth keeping in mind when changing anything:
+//! Kept by tests, and worth keeping in mind when changing anything:
 //!
 //! * An unbleached retina returns its input exactly, bit for bit, at any gaze.
 //! * p stays within 0..1; with the exact step it does so without a clamp.

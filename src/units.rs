@@ -1,9 +1,12 @@
 //! Units as one-field types, for public boundaries. Inner loops unwrap them once.
 
+use serde::{Deserialize, Serialize};
+
 macro_rules! unit {
     ($(#[$doc:meta])* $name:ident, $symbol:literal) => {
         $(#[$doc])*
-        #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd, Serialize, Deserialize)]
+        #[serde(transparent)]
         pub struct $name(pub f64);
 
         impl std::fmt::Display for $name {

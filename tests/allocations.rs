@@ -2,15 +2,13 @@
 //! on.
 
 use sungaze::colour::Primaries;
-use sungaze::eye::plan::Plan;
-use sungaze::eye::retina::{Model, Retina};
-use sungaze::eye::{Viewer, survey};
-use sungaze::kinetics::Kinetics;
+use sungaze::eye::pigment::Model;
+use sungaze::eye::{Eye, Stimulus, survey};
 use sungaze::light::{Planes, Samples};
 use sungaze::observer::{Directional, Observer, Reading, Steepness};
 use sungaze::spectrum::Bands;
-use sungaze::step::Method;
-use sungaze::units::{Nits, Seconds, Trolands};
+use sungaze::step;
+use sungaze::units::{Degrees, Nits, Seconds};
 use sungaze::vision::Vision;
 
 const WIDTH: usize = 600;
@@ -20,24 +18,20 @@ const PIXELS_PER_DEGREE: f64 = 24.0;
 /// Allocations of the tenth to the twentieth look, which are at steps that differ in light, pupil
 /// and length.
 fn allocations(vision: Vision, mut planes: Planes, budget: Option<f64>) -> u64 {
-    let pigments = [2e4, 2e4, 1e5]
-        .map(|half_bleach| Kinetics::first_order(Trolands(half_bleach), Seconds(120.0)));
-    let method = Method::named("exact").expect("exact is in the table");
-    let model = Model::Tracked { method, substeps: 0, budget: 1e-3 };
-    let mut viewer =
-        Viewer::new(vision, pigments, model, Retina::rested(WIDTH, HEIGHT), PIXELS_PER_DEGREE);
-    viewer.plan = Plan::new(budget);
+    let model = Model::Tracked { method: step::EXACT, substeps: 0, budget: 1e-3 };
+    let across = Degrees(WIDTH as f64 / PIXELS_PER_DEGREE);
+    let eye = Eye::builder(vision, [WIDTH, HEIGHT], across).model(model, budget).build();
+    let mut eye = eye.expect("an eye");
     let gaze = [WIDTH as f64 / 2.0, HEIGHT as f64 / 2.0];
-    let mut seen = None;
     let mut look = |n: usize, planes: &mut Planes| -> u64 {
         if let Samples::Float(samples) = &mut planes.samples {
             samples.iter_mut().for_each(|v| *v *= 1.1);
         }
-        let light = survey(&viewer.vision, planes, PIXELS_PER_DEGREE);
+        let survey = survey(eye.vision(), planes, PIXELS_PER_DEGREE).into();
+        let stimulus = Stimulus { planes, survey: &survey, checked: &[], spectra: None };
         let counted = allocation_counter::measure(|| {
-            let look =
-                viewer.look(planes, &light, gaze, Seconds(0.02 + 0.01 * n as f64), seen.take());
-            seen = Some(look.seen);
+            let look = eye.look_at(stimulus, gaze, Seconds(0.02 + 0.01 * n as f64));
+            eye.recycle(look.percept);
         });
         counted.count_total
     };

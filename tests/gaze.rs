@@ -4,22 +4,27 @@ use proptest::prelude::*;
 
 use sungaze::colour::Primaries;
 use sungaze::eye::check;
-use sungaze::eye::retina::{Model, Retina};
-use sungaze::eye::{self, Viewer};
+use sungaze::eye::pigment::Model;
+use sungaze::eye::{self, Eye, EyeBuilder, Stimulus};
 use sungaze::kinetics::Kinetics;
 use sungaze::light::{Planes, Samples};
 use sungaze::observer::{Directional, Observer, Reading, Steepness};
 use sungaze::step::Method;
-use sungaze::units::{Nits, Seconds, Trolands};
+use sungaze::units::{Degrees, Nits, Seconds, Trolands};
 use sungaze::vision::Vision;
 
 const WIDTH: usize = 12;
 const HEIGHT: usize = 7;
 
-fn viewer(model: Model) -> Viewer {
-    let vision = Vision::of_rgb(Observer::standard(), &Primaries::REC709, Nits(1e4)).unwrap();
+fn builder(observer: Observer, model: Model) -> EyeBuilder {
+    let vision = Vision::of_rgb(observer, &Primaries::REC709, Nits(1e4)).unwrap();
     let pigments = [Kinetics::first_order(Trolands(2e4), Seconds(120.0)); 3];
-    Viewer::new(vision, pigments, model, Retina::rested(WIDTH, HEIGHT), 2.0)
+    let across = Degrees(WIDTH as f64 / 2.0);
+    Eye::builder(vision, [WIDTH, HEIGHT], across).pigments(pigments).model(model, None)
+}
+
+fn eye(model: Model) -> Eye {
+    builder(Observer::standard(), model).build().unwrap()
 }
 
 fn tracked() -> Model {
@@ -40,9 +45,19 @@ fn picture(f: impl Fn(usize, usize, usize) -> f32) -> Planes {
     planes
 }
 
-fn look(viewer: &mut Viewer, planes: &Planes, gaze: [f64; 2]) -> Planes {
-    let survey = eye::survey(&viewer.vision, planes, viewer.pixels_per_degree);
-    viewer.look(planes, &survey, gaze, Seconds(0.5), None).seen
+fn look_at(
+    eye: &mut Eye,
+    planes: &Planes,
+    gaze: [f64; 2],
+    checked: &[[usize; 2]],
+) -> sungaze::eye::Look {
+    let survey = eye::survey(eye.vision(), planes, eye.pixels_per_degree()).into();
+    let stimulus = Stimulus { planes, survey: &survey, checked, spectra: None };
+    eye.look_at(stimulus, gaze, Seconds(0.5))
+}
+
+fn look(eye: &mut Eye, planes: &Planes, gaze: [f64; 2]) -> Planes {
+    look_at(eye, planes, gaze, &[]).percept
 }
 
 fn some_picture() -> Planes {
@@ -52,7 +67,7 @@ fn some_picture() -> Planes {
 proptest! {
     #[test]
     fn an_unbleached_eye_returns_its_picture_exactly_at_any_gaze(moves in prop::collection::vec((0.0..12.0f64, 0.0..7.0f64), 1..6)) {
-        let mut eye = viewer(Model::Unbleached);
+        let mut eye = eye(Model::Unbleached);
         let light = some_picture();
         for (x, y) in moves {
             prop_assert_eq!(&look(&mut eye, &light, [x, y]), &light);
@@ -61,7 +76,7 @@ proptest! {
 
     #[test]
     fn a_drifting_gaze_over_a_dark_picture_leaves_the_state_as_a_still_one_does(moves in prop::collection::vec((0.0..12.0f64, 0.0..7.0f64), 1..6)) {
-        let (mut still, mut drifting) = (viewer(tracked()), viewer(tracked()));
+        let (mut still, mut drifting) = (eye(tracked()), eye(tracked()));
         let (light, dark) = (some_picture(), picture(|_, _, _| 0.0));
         for eye in [&mut still, &mut drifting] {
             look(eye, &light, [5.5, 3.0]);
@@ -70,7 +85,7 @@ proptest! {
             look(&mut still, &dark, [5.5, 3.0]);
             look(&mut drifting, &dark, [x, y]);
         }
-        let [a, b] = [&still, &drifting].map(|eye| eye.retina.first_view(WIDTH, HEIGHT));
+        let [a, b] = [&still, &drifting].map(|eye| eye.retina().first_view(WIDTH, HEIGHT));
         prop_assert_eq!(a, b);
     }
 }
@@ -79,18 +94,16 @@ proptest! {
 fn a_whole_pixel_move_is_the_still_gaze_at_a_picture_moved_the_other_way() {
     let light = some_picture();
     let moved = picture(|x, y, i| if x + 2 < WIDTH { some_at(&light, x + 2, y, i) } else { 0.0 });
-    let (mut a, mut b) = (viewer(tracked()), viewer(tracked()));
+    let mut observer = Observer::standard();
+    observer.pupil = sungaze::observer::Rule::Fixed(sungaze::units::Millimetres(3.0));
+    let [mut a, mut b] = [(); 2].map(|()| builder(observer.clone(), tracked()).build().unwrap());
     let dark = picture(|_, _, _| 0.0);
     for eye in [&mut a, &mut b] {
-        eye.vision.observer.pupil =
-            sungaze::observer::Rule::Fixed(sungaze::units::Millimetres(3.0));
-        eye.pupil =
-            sungaze::observer::Pupil::new(eye.vision.observer.pupil, eye.vision.observer.dynamics);
         look(eye, &dark, [5.0, 3.0]);
     }
     look(&mut a, &light, [7.0, 3.0]);
     look(&mut b, &moved, [5.0, 3.0]);
-    assert_eq!(a.retina.first_view(WIDTH, HEIGHT), b.retina.first_view(WIDTH, HEIGHT));
+    assert_eq!(a.retina().first_view(WIDTH, HEIGHT), b.retina().first_view(WIDTH, HEIGHT));
 }
 
 fn some_at(planes: &Planes, x: usize, y: usize, i: usize) -> f32 {
@@ -101,7 +114,7 @@ fn some_at(planes: &Planes, x: usize, y: usize, i: usize) -> f32 {
 fn looking_away_from_a_light_leaves_its_image_where_the_gaze_goes() {
     let sun = picture(|x, y, _| if (x, y) == (5, 3) { 1e5 } else { 0.01 });
     let wall = picture(|_, _, _| 1.0);
-    let mut eye = viewer(tracked());
+    let mut eye = eye(tracked());
     look(&mut eye, &sun, [5.0, 3.0]);
     let seen = look(&mut eye, &wall, [8.0, 4.0]);
     let at = |x: usize, y: usize| seen.at(x, y, 1);
@@ -117,11 +130,11 @@ fn looking_away_from_a_light_leaves_its_image_where_the_gaze_goes() {
 #[test]
 fn places_that_the_picture_reaches_anew_have_lived_through_no_frame_twice() {
     let light = some_picture();
-    let (mut growing, mut grown) = (viewer(tracked()), viewer(tracked()));
-    grown.retina.cover([-12, -7], [24, 14], WIDTH);
-    for eye in [&mut growing, &mut grown] {
-        eye.surround = Nits(3e4);
-    }
+    let start = || builder(Observer::standard(), tracked()).surround(Nits(3e4));
+    let mut covering = sungaze::eye::retina::Retina::rested(WIDTH, HEIGHT);
+    covering.cover([-12, -7], [24, 14], WIDTH);
+    let (mut growing, mut grown) = (start().build().unwrap(), start().build().unwrap());
+    grown.restore(growing.state().with_retina(covering)).unwrap();
     for gaze in [[5.0, 3.0], [8.5, 1.25], [2.0, 6.0], [0.0, 0.0]] {
         let [a, b] = [&mut growing, &mut grown].map(|eye| look(eye, &light, gaze));
         assert_eq!(a, b, "looking at {gaze:?}");
@@ -132,21 +145,16 @@ fn places_that_the_picture_reaches_anew_have_lived_through_no_frame_twice() {
 fn checked(method: &str, reading: Reading) -> f64 {
     let mut observer = Observer::standard();
     observer.directional = Directional::new(reading, Steepness::LensCorrected);
-    let vision = Vision::of_rgb(observer, &Primaries::REC709, Nits(1e4)).unwrap();
-    let pigments = [Kinetics::first_order(Trolands(2e4), Seconds(120.0)); 3];
     let model =
         Model::Tracked { method: Method::named(method).unwrap(), substeps: 0, budget: 1e-3 };
-    let mut eye = Viewer::new(vision, pigments, model, Retina::rested(WIDTH, HEIGHT), 2.0);
-    eye.surround = Nits(300.0);
+    let mut eye = builder(observer, model).surround(Nits(300.0)).build().unwrap();
     let light = some_picture();
-    let survey = eye::survey(&eye.vision, &light, eye.pixels_per_degree);
-    let mut check = eye.check(&check::places(&eye.vision, &light));
+    let places = check::places(eye.vision(), &light);
     for i in 0..8 {
         let gaze = [4.0 + 1.3 * f64::from(i), 3.0 - 0.7 * f64::from(i)];
-        let look = eye.look(&light, &survey, gaze, Seconds(0.5), None);
-        eye.compare(&mut check, &light, None, &look, gaze, Seconds(0.5));
+        look_at(&mut eye, &light, gaze, &places);
     }
-    check.largest()[0]
+    eye.check().unwrap().largest()[0]
 }
 
 #[test]

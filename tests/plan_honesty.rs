@@ -1,15 +1,15 @@
 //! A plan promises only what its bound covers: 200 random scenes against the full model.
 
 use sungaze::colour::Primaries;
-use sungaze::eye::plan::{Plan, SUBSTEPS};
-use sungaze::eye::retina::{Model, Retina};
-use sungaze::eye::{Viewer, survey};
+use sungaze::eye::pigment::Model;
+use sungaze::eye::plan::SUBSTEPS;
+use sungaze::eye::{Eye, Stimulus, survey};
 use sungaze::kinetics::{Kinetics, Law};
 use sungaze::light::{Planes, Samples};
 use sungaze::observer::{Observer, Rule};
 use sungaze::spectrum::Curve;
-use sungaze::step::{self, Method};
-use sungaze::units::{Millimetres, Nits, Seconds, Trolands};
+use sungaze::step;
+use sungaze::units::{Degrees, Millimetres, Nits, Seconds, Trolands};
 use sungaze::vision::Vision;
 
 const WIDTH: usize = 40;
@@ -72,15 +72,18 @@ fn vision() -> Vision {
 
 /// The largest error of p or of a catch over the scene, and what the plan promised.
 fn error_and_bound(vision: &Vision, scene: &Scene) -> (f64, f64) {
-    let exact = Method::named("exact").unwrap();
-    let model = Model::Tracked { method: exact, substeps: 0, budget: SUBSTEPS * BUDGET };
-    let mut viewer =
-        Viewer::new(vision.clone(), scene.pigments, model, Retina::rested(WIDTH, HEIGHT), 10.0);
-    viewer.plan = Plan::new(Some(BUDGET));
+    let model = Model::Tracked { method: step::EXACT, substeps: 0, budget: SUBSTEPS * BUDGET };
+    let mut eye = Eye::builder(vision.clone(), [WIDTH, HEIGHT], Degrees(WIDTH as f64 / 10.0))
+        .pigments(scene.pigments)
+        .model(model, Some(BUDGET))
+        .build()
+        .unwrap();
     let mut truth = vec![[1.0; 3]; WIDTH * HEIGHT];
     let mut worst: f64 = 0.0;
     for (planes, dt) in &scene.frames {
-        let look = viewer.look(planes, &survey(vision, planes, 10.0), [20.0, 12.0], *dt, None);
+        let survey = survey(vision, planes, 10.0).into();
+        let stimulus = Stimulus { planes, survey: &survey, checked: &[], spectra: None };
+        let look = eye.look_at(stimulus, [20.0, 12.0], *dt);
         let weights = vision.illuminance_weights(look.pupil, Millimetres(0.0));
         for (i, p) in truth.iter_mut().enumerate() {
             let at = [i % WIDTH, i / WIDTH];
@@ -88,14 +91,14 @@ fn error_and_bound(vision: &Vision, scene: &Scene) -> (f64, f64) {
             let td = vision.illuminance(&moments, &weights);
             *p = [0, 1, 2]
                 .map(|k| step::advance(&scene.pigments[k], p[k], Trolands(td[k]), *dt, 48));
-            let ours = viewer.fractions_at([0.0; 2], at);
+            let ours = eye.fractions_at(&look, at);
             worst = (0..3).map(|k| (ours[k] - p[k]).abs()).fold(worst, f64::max);
             if i % 100 == 0 {
                 worst = worst.max(error_of_catch(vision, planes, at, ours, *p));
             }
         }
     }
-    (worst, viewer.plan.bound(model, &scene.pigments).unwrap())
+    (worst, eye.plan().bound(model, &scene.pigments).unwrap())
 }
 
 fn error_of_catch(

@@ -7,16 +7,15 @@ use half::f16;
 use rayon::prelude::*;
 use sungaze::colour::Primaries;
 use sungaze::display::Display;
-use sungaze::eye::retina::{Model, Retina};
-use sungaze::eye::{Viewer, survey};
+use sungaze::eye::pigment::Model;
+use sungaze::eye::{Eye, Stimulus, survey};
 use sungaze::kernel::{self, FirstOrderForm};
 use sungaze::kinetics::Kinetics;
-use sungaze::light::Survey;
 use sungaze::light::{Planes, Samples};
 use sungaze::observer::Observer;
 use sungaze::spectrum::Bands;
-use sungaze::step::Method;
-use sungaze::units::{Nits, Seconds, Trolands};
+use sungaze::step;
+use sungaze::units::{Degrees, Nits, Seconds};
 use sungaze::vision::Vision;
 
 const FRAME: Seconds = Seconds(1.0 / 24.0);
@@ -82,12 +81,11 @@ fn noise(i: usize) -> f32 {
 }
 
 fn pigments() -> [Kinetics; 3] {
-    [4.3, 4.3, 5.0].map(|log: f64| Kinetics::first_order(Trolands(10f64.powf(log)), Seconds(120.0)))
+    Kinetics::standard()
 }
 
 fn tracked() -> Model {
-    let method = Method::named("exact").unwrap_or(&sungaze::step::METHODS[0]);
-    Model::Tracked { method, substeps: 0, budget: 1e-3 }
+    Model::Tracked { method: step::EXACT, substeps: 0, budget: 1e-3 }
 }
 
 fn state(name: String, [width, height]: [usize; 2], sunny: bool) -> Case {
@@ -109,14 +107,15 @@ fn state(name: String, [width, height]: [usize; 2], sunny: bool) -> Case {
 
 /// A whole look, with the picture given back to be written over.
 fn look(name: String, vision: Vision, planes: Planes, bytes: usize) -> Case {
-    let luminances: Survey = survey(&vision, &planes, 24.0);
-    let retina = Retina::rested(planes.width, planes.height);
-    let mut viewer = Viewer::new(vision, pigments(), tracked(), retina, 24.0);
+    let survey = survey(&vision, &planes, 24.0).into();
+    let (size, across) = ([planes.width, planes.height], Degrees(planes.width as f64 / 24.0));
+    let eye = Eye::builder(vision, size, across).model(tracked(), None).build();
+    let mut eye = eye.unwrap_or_else(|e| panic!("{e}"));
     let gaze = [planes.width as f64 / 2.0, planes.height as f64 / 2.0];
-    let mut seen = None;
     let work = move || {
-        let look = viewer.look(&planes, &luminances, gaze, FRAME, seen.take());
-        seen = Some(look.seen);
+        let stimulus = Stimulus { planes: &planes, survey: &survey, checked: &[], spectra: None };
+        let look = eye.look_at(stimulus, gaze, FRAME);
+        eye.recycle(look.percept);
     };
     Case::new(name, bytes, work)
 }

@@ -10,19 +10,20 @@ use super::ladder_scenes::{Scene, scenes};
 use super::{Progress, write_csv};
 use crate::colour;
 use crate::display::Display;
-use crate::error::Result;
+use crate::error::{Error, Result};
+use crate::eye::pigment::Model;
 use crate::eye::plan::{Plan, SUBSTEPS};
-use crate::eye::retina::{Model, Retina};
-use crate::eye::{Viewer, survey};
+use crate::eye::{Eye, Stimulus, survey};
 use crate::kinetics::Kinetics;
-use crate::light::Planes;
+use crate::light::{Planes, Survey};
 use crate::plot::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION};
 use crate::plot::{Anchor, Ink, Marker, Sheet};
 use crate::plot::{Axis, Panel};
 use crate::spectrum::Curve;
-use crate::step::{self, Method};
-use crate::units::{Millimetres, Seconds, Trolands};
+use crate::step;
+use crate::units::{Degrees, Millimetres, Seconds};
 use std::path::Path;
+use std::sync::Arc;
 use std::time::Instant;
 
 const BUDGET: f64 = 1e-3;
@@ -54,11 +55,11 @@ struct Seen {
 }
 
 fn pigments() -> [Kinetics; 3] {
-    [4.3, 4.3, 5.0].map(|log: f64| Kinetics::first_order(Trolands(10f64.powf(log)), Seconds(120.0)))
+    Kinetics::standard()
 }
 
 fn tracked() -> Model {
-    let method = Method::named("exact").unwrap_or(&step::METHODS[0]);
+    let method = step::EXACT;
     Model::Tracked { method, substeps: 0, budget: SUBSTEPS * BUDGET }
 }
 
@@ -66,7 +67,7 @@ pub(super) fn write(out_dir: &Path, progress: Progress) -> Result<()> {
     let mut found = Vec::new();
     for scene in scenes()? {
         progress(&format!("ladder: {}", scene.title));
-        let rungs = climb(&scene);
+        let rungs = climb(&scene)?;
         found.push((scene, rungs));
     }
     let header = "scene,rung,ms_per_megapixel_frame,max_error_p,max_error_catch,delta_e_2000_p95,delta_e_2000_max,bound,chosen";
@@ -88,15 +89,15 @@ pub(super) fn write(out_dir: &Path, progress: Progress) -> Result<()> {
 const ROUNDS: usize = 7;
 
 /// Every rung on one scene, the truth last but one, what `auto` did last.
-fn climb(scene: &Scene) -> Vec<Rung> {
-    let truth = full(scene);
+fn climb(scene: &Scene) -> Result<Vec<Rung>> {
+    let truth = full(scene)?;
     let asked = [
         (Model::Unbleached, None),
         (Model::Steady, None),
         (tracked(), None),
         (tracked(), Some(BUDGET)),
     ];
-    let [none, steady, followed, (auto, plan)] = in_turns(scene, asked);
+    let [none, steady, followed, (auto, plan)] = in_turns(scene, asked)?;
     let chosen = plan.name(tracked());
     let mut rungs = Vec::new();
     for (model, (ours, asked)) in
@@ -110,23 +111,28 @@ fn climb(scene: &Scene) -> Vec<Rung> {
     }
     rungs.push(rung("full", &truth, &truth, Some(0.0), chosen));
     rungs.push(rung("auto", &auto, &truth, plan.bound(tracked(), &pigments()), chosen));
-    rungs
+    Ok(rungs)
 }
 
 /// The scene by each model and budget; costs are medians of the rounds.
-fn in_turns<const N: usize>(scene: &Scene, asked: [(Model, Option<f64>); N]) -> [(Seen, Plan); N] {
-    let round = || asked.map(|(model, budget)| seen(scene, model, Plan::new(budget)));
+fn in_turns<const N: usize>(
+    scene: &Scene,
+    asked: [(Model, Option<f64>); N],
+) -> Result<[(Seen, Plan); N]> {
+    let round = || -> Result<Vec<(Seen, Plan)>> {
+        asked.iter().map(|&(model, budget)| seen(scene, model, budget)).collect()
+    };
     let mut costs: [Vec<f64>; N] = [const { Vec::new() }; N];
     for _ in 1..ROUNDS {
-        costs.iter_mut().zip(round()).for_each(|(costs, (seen, _))| costs.push(seen.cost_ms));
+        costs.iter_mut().zip(round()?).for_each(|(costs, (seen, _))| costs.push(seen.cost_ms));
     }
-    let mut found = round();
+    let mut found = round()?;
     for ((seen, _), mut costs) in found.iter_mut().zip(costs) {
         costs.push(seen.cost_ms);
         costs.sort_by(f64::total_cmp);
         seen.cost_ms = costs[costs.len() / 2];
     }
-    found
+    found.try_into().map_err(|_| Error::light("a rung is missing"))
 }
 
 fn rung(name: &'static str, ours: &Seen, truth: &Seen, bound: Option<f64>, chosen: &str) -> Rung {
@@ -158,23 +164,36 @@ fn followed(planes: &Planes) -> Vec<[usize; 2]> {
     rows.flat_map(|y| (0..planes.width).step_by(STRIDE).map(move |x| [x, y])).collect()
 }
 
-/// A scene through the viewer that runs use.
-fn seen(scene: &Scene, model: Model, plan: Plan) -> (Seen, Plan) {
-    let first = &scene.pictures[0];
-    let retina = Retina::rested(first.width, first.height);
-    let mut viewer =
-        Viewer::new(scene.vision.clone(), pigments(), model, retina, PIXELS_PER_DEGREE);
-    viewer.plan = plan;
-    let surveys: Vec<_> =
-        scene.pictures.iter().map(|p| survey(&scene.vision, p, PIXELS_PER_DEGREE)).collect();
+/// An eye for a scene.
+fn eye(scene: &Scene, model: Model, budget: Option<f64>) -> Result<Eye> {
+    let Planes { width, height, .. } = scene.pictures[0];
+    let across = Degrees(width as f64 / PIXELS_PER_DEGREE);
+    Eye::builder(scene.vision.clone(), [width, height], across)
+        .pigments(pigments())
+        .model(model, budget)
+        .build()
+}
+
+fn surveys(scene: &Scene) -> Vec<Arc<Survey>> {
+    let survey = |p: &Planes| Arc::new(survey(&scene.vision, p, PIXELS_PER_DEGREE));
+    scene.pictures.iter().map(survey).collect()
+}
+
+/// A scene through the eye that runs use.
+fn seen(scene: &Scene, model: Model, budget: Option<f64>) -> Result<(Seen, Plan)> {
+    let mut eye = eye(scene, model, budget)?;
+    let surveys = surveys(scene);
     let (mut percept, mut costs, mut p) = (None, Vec::new(), Vec::new());
     for &(picture, dt) in &scene.frames {
         let planes = &scene.pictures[picture];
+        let survey = &surveys[picture];
+        let stimulus = Stimulus { planes, survey, checked: &[], spectra: None };
+        percept.take().into_iter().for_each(|spare| eye.recycle(spare));
         let begun = Instant::now();
-        let look = viewer.look(planes, &surveys[picture], gaze(planes), dt, percept.take());
+        let look = eye.look_at(stimulus, gaze(planes), dt);
         costs.push(1e3 * begun.elapsed().as_secs_f64());
-        percept = Some(look.seen);
-        p.extend(followed(planes).into_iter().map(|at| viewer.fractions_at([0.0; 2], at)));
+        p.extend(followed(planes).into_iter().map(|at| eye.fractions_at(&look, at)));
+        percept = Some(look.percept);
     }
     let last = &scene.pictures[scene.frames[scene.frames.len() - 1].0];
     let places = followed(last);
@@ -190,28 +209,20 @@ fn seen(scene: &Scene, model: Model, plan: Plan) -> (Seen, Plan) {
     let colours = shown(scene, &percept.as_ref().map_or(Vec::new(), rgb));
     costs.sort_by(f64::total_cmp);
     let cost_ms = costs[costs.len() / 2] / megapixels(last);
-    (Seen { p, catch, colours, cost_ms }, viewer.plan)
+    Ok((Seen { p, catch, colours, cost_ms }, eye.plan().clone()))
 }
 
 /// A scene at full model, at the followed places.
-fn full(scene: &Scene) -> Seen {
+fn full(scene: &Scene) -> Result<Seen> {
     let places = followed(&scene.pictures[0]);
     let first = &scene.pictures[0];
-    let mut viewer = Viewer::new(
-        scene.vision.clone(),
-        pigments(),
-        Model::Unbleached,
-        Retina::rested(1, 1),
-        PIXELS_PER_DEGREE,
-    );
-    let surveys: Vec<_> =
-        scene.pictures.iter().map(|p| survey(&scene.vision, p, PIXELS_PER_DEGREE)).collect();
+    let (eye, surveys) = (eye(scene, Model::Unbleached, None)?, surveys(scene));
     let (mut now, mut p) = (vec![[1.0; 3]; places.len()], Vec::new());
     let begun = Instant::now();
     for &(picture, dt) in &scene.frames {
         let planes = &scene.pictures[picture];
-        let adapting = viewer.adapting(planes, &surveys[picture], gaze(planes));
-        let pupil = viewer.pupil.follow(adapting, dt);
+        let adapting = eye.adapting(planes, &surveys[picture], gaze(planes));
+        let pupil = scene.vision.observer.pupil.diameter(adapting);
         for (at, p) in places.iter().zip(&mut now) {
             let td = scene.vision.observer.illuminance(
                 &radiance(scene, planes, *at),
@@ -235,7 +246,7 @@ fn full(scene: &Scene) -> Seen {
         catch.iter().map(|catch| colour::apply(&scene.vision.lms_to_seen, *catch)).collect();
     let share = places.len() as f64 / (first.width * first.height) as f64;
     let cost_ms = 1e3 * (stepping + catching) / share / megapixels(first);
-    Seen { p, catch, colours: shown(scene, &rgb), cost_ms }
+    Ok(Seen { p, catch, colours: shown(scene, &rgb), cost_ms })
 }
 
 fn radiance(scene: &Scene, planes: &Planes, [x, y]: [usize; 2]) -> Curve {

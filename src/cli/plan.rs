@@ -32,13 +32,12 @@ fn in_words(plan: &Value) -> String {
     let mut lines = vec![
         format!("{} over {} frames", plan["model"].as_str().unwrap_or(""), plan["frames"]),
         format!("  {tracked} of {tiles} tiles modelled, {} left untouched", tiles - tracked),
-        "  taken  at most  ns/place".into(),
+        "  taken  at most".into(),
     ];
     for term in plan["terms"].as_array().into_iter().flatten() {
         let taken = if term["chosen"] == true { "yes" } else { "no" };
-        let cost = term["cost_ns_per_place"].as_f64().map_or(String::new(), |ns| ns.to_string());
         let [what, why] = ["what", "why"].map(|key| term[key].as_str().unwrap_or(""));
-        lines.push(format!("  {taken:<5}  {:<8} {cost:>8}  {what}: {why}", bound(&term["bound"])));
+        lines.push(format!("  {taken:<5}  {:<8}  {what}: {why}", bound(&term["bound"])));
     }
     lines.push(match plan["budget"].as_f64() {
         Some(budget) => {

@@ -2,8 +2,8 @@
 
 use crate::display::{Ceiling, Display, Tone};
 use crate::error::{Error, Result};
-use crate::eye::plan::{self, Plan};
-use crate::eye::retina::Model;
+use crate::eye::pigment::Model;
+use crate::eye::plan;
 use crate::frames::builtin::{Ground, Sunset};
 use crate::frames::{
     self, ChannelNames, Compression, Negative, NonFinite, Quantity, ReadOptions, Sequence, Wanted,
@@ -240,10 +240,10 @@ impl Config {
         })
     }
 
-    /// A plan that may leave things out (`numerics.model = "auto"`), or one that does as it is
-    /// told.
-    pub fn plan(&self) -> Plan {
+    /// The budget within which less may be modelled (`numerics.model = "auto"`); `None`: what was
+    /// asked for is done everywhere.
+    pub fn budget(&self) -> Option<f64> {
         let n = &self.settings.numerics;
-        Plan::new((n.model == ModelKey::Auto).then_some(n.budget))
+        (n.model == ModelKey::Auto).then_some(n.budget)
     }
 }

@@ -14,9 +14,11 @@
 mod encode;
 mod gamut;
 mod row;
+mod screen;
 mod tone;
 mod ward;
 
+pub use screen::Screen;
 pub use tone::ToneMap;
 
 use crate::light::Survey;

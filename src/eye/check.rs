@@ -14,7 +14,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::eye::retina::{Advance, LEAST_KEPT, Model};
+use crate::eye::pigment::{LEAST_KEPT, Model, PigmentStep};
 use crate::kinetics::Kinetics;
 use crate::light::Planes;
 use crate::observer::pupil;
@@ -34,16 +34,15 @@ const EXTREMES: usize = 32;
 pub struct Check {
     /// Column and row of each place.
     pub places: Vec<[usize; 2]>,
-    /// Unbleached fractions at full model. Everything is kept as bits: from a checkpoint it is to
-    /// come back exactly.
-    p: Vec<[u64; 3]>,
+    /// Unbleached fractions at full model.
+    p: Vec<[f64; 3]>,
     /// The greatest error of p and of a catch at each place so far.
-    errors: Vec<[u64; 2]>,
+    errors: Vec<[f64; 2]>,
     frames: u32,
 }
 
 /// One frame as the check needs it.
-pub struct Exposure<'a> {
+pub struct CheckFrame<'a> {
     pub vision: &'a Vision,
     pub pigments: &'a [Kinetics; 3],
     /// What each place's spectrum was, band by band; RGB is read from the planes.
@@ -62,36 +61,45 @@ pub struct Exposure<'a> {
 impl Check {
     /// A check of these places, from the fractions that the run starts with.
     pub fn new(places: Vec<[usize; 2]>, start: impl Fn([usize; 2]) -> [f64; 3]) -> Self {
-        let p = places.iter().map(|&at| start(at).map(f64::to_bits)).collect();
-        let errors = vec![[0; 2]; places.len()];
+        let p = places.iter().map(|&at| start(at)).collect();
+        let errors = vec![[0.0; 2]; places.len()];
         Check { places, p, errors, frames: 0 }
     }
 
+    /// Whether it is of places inside a picture of this size and has all that it needs of each.
+    pub(super) fn is_sound(&self, [width, height]: [usize; 2]) -> bool {
+        let count = self.places.len();
+        self.places.iter().all(|[x, y]| *x < width && *y < height)
+            && (self.p.len(), self.errors.len()) == (count, count)
+            && self.p.iter().flatten().all(|p| (0.0..=1.0).contains(p))
+            && self.errors.iter().flatten().all(|error| *error >= 0.0)
+    }
+
     /// Moves the places by one frame and compares them with the run's fractions after it.
-    pub fn follow(&mut self, exposure: &Exposure<'_>, run: impl Fn([usize; 2]) -> [f64; 3]) {
+    pub fn follow(&mut self, frame: &CheckFrame<'_>, run: impl Fn([usize; 2]) -> [f64; 3]) {
         self.frames += 1;
-        let still = exposure.shift == [0.0, 0.0];
-        let central = exposure.weights(0.0);
-        let step = Advance::new(*exposure.pigments, Model::Unbleached, exposure.duration);
+        let still = frame.shift == [0.0, 0.0];
+        let central = frame.weights(0.0);
+        let step = PigmentStep::new(*frame.pigments, Model::Unbleached, frame.duration);
         for (i, &at) in self.places.iter().enumerate() {
-            let light = if still { exposure.light(i, at) } else { Vec::new() };
+            let light = if still { frame.light(i, at) } else { Vec::new() };
             let td = if still {
-                exposure.illuminance(&light, at, &central)
+                frame.illuminance(&light, at, &central)
             } else {
-                exposure.between(at, &central)
+                frame.between(at, &central)
             };
-            let before = self.p[i].map(f64::from_bits);
+            let before = self.p[i];
             let after = [0, 1, 2]
-                .map(|k| step.exact(LEAST_KEPT, &exposure.pigments[k], before[k], Trolands(td[k])));
-            self.p[i] = after.map(f64::to_bits);
+                .map(|k| step.exact(LEAST_KEPT, &frame.pigments[k], before[k], Trolands(td[k])));
+            self.p[i] = after;
             let ours = run(at);
-            let [mut of_p, mut of_catch] = self.errors[i].map(f64::from_bits);
+            let [mut of_p, mut of_catch] = self.errors[i];
             of_p = (0..3).map(|k| (ours[k] - after[k]).abs()).fold(of_p, f64::max);
             // Catches by the definition take a power at every nanometre: now and then is enough.
             if still && self.frames.is_power_of_two() {
-                of_catch = of_catch.max(exposure.error_of_catch(&light, at, ours, after));
+                of_catch = of_catch.max(frame.error_of_catch(&light, at, ours, after));
             }
-            self.errors[i] = [of_p, of_catch].map(f64::to_bits);
+            self.errors[i] = [of_p, of_catch];
         }
     }
 
@@ -101,7 +109,7 @@ impl Check {
     }
 
     fn errors(&self, which: usize) -> impl Iterator<Item = f64> + '_ {
-        self.errors.iter().map(move |errors| f64::from_bits(errors[which]))
+        self.errors.iter().map(move |errors| errors[which])
     }
 
     /// For the report.
@@ -138,7 +146,7 @@ impl Check {
     }
 }
 
-impl Exposure<'_> {
+impl CheckFrame<'_> {
     fn light(&self, i: usize, [x, y]: [usize; 2]) -> Vec<f64> {
         match self.kept {
             Some(kept) => kept.spectrum(i),
@@ -300,13 +308,13 @@ mod tests {
     use crate::units::Nits;
     use crate::vision::LEVEL_BOUND;
 
-    fn exposure<'a>(
+    fn frame<'a>(
         vision: &'a Vision,
         pigments: &'a [Kinetics; 3],
         planes: &'a Planes,
         duration: Seconds,
-    ) -> Exposure<'a> {
-        Exposure {
+    ) -> CheckFrame<'a> {
+        CheckFrame {
             vision,
             pigments,
             kept: None,
@@ -328,12 +336,12 @@ mod tests {
         let planes =
             Planes { width: 1, height: 1, count: 3, samples: Samples::Float(vec![1e4; 3]) };
         for duration in [10.0, 100.0, 1000.0].map(Seconds) {
-            let exposure = exposure(&vision, &pigments, &planes, duration);
+            let frame = frame(&vision, &pigments, &planes, duration);
             let mut check = Check::new(vec![[0, 0]], |_| [1.0; 3]);
-            let td = exposure.illuminance(&[1e4; 3], [0, 0], &exposure.weights(0.0));
+            let td = frame.illuminance(&[1e4; 3], [0, 0], &frame.weights(0.0));
             let truth = [0, 1, 2]
                 .map(|k| step::enclosed(&pigments[k], 1.0, Trolands(td[k]), duration, 1 << 14).p);
-            check.follow(&exposure, |_| truth);
+            check.follow(&frame, |_| truth);
             assert!(check.largest()[0] < LEAST_KEPT, "{duration}: {:e}", check.largest()[0]);
         }
     }
@@ -349,9 +357,9 @@ mod tests {
                 count: 3,
                 samples: Samples::Float(vec![1.0, green, 1.0]),
             };
-            let exposure = exposure(&vision, &pigments, &planes, Seconds(1.0));
+            let frame = frame(&vision, &pigments, &planes, Seconds(1.0));
             let light = [1.0, f64::from(green), 1.0];
-            let error = exposure.error_of_catch(&light, [0, 0], [0.5; 3], [0.5; 3]);
+            let error = frame.error_of_catch(&light, [0, 0], [0.5; 3], [0.5; 3]);
             assert!(error <= LEVEL_BOUND, "{green}: {error:e}");
         }
     }

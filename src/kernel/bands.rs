@@ -6,7 +6,7 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::{ask_for, vectorised};
+use super::{prefetch, vectorised};
 use crate::light::PlaneTile;
 
 /// Sums that are carried at once where there are 32 registers: they, the light and a product.
@@ -120,7 +120,7 @@ impl Project<'_> {
             let run = &self.light.plane(band)[at..][..places];
             if from == 0 {
                 for i in 0..VECTORS {
-                    ask_for(run.as_ptr().wrapping_add(ahead + i * S::F32_LANES));
+                    prefetch(run.as_ptr().wrapping_add(ahead + i * S::F32_LANES));
                 }
             }
             let light = S::as_simd_f32s(run).0;

@@ -30,12 +30,12 @@ pub use sums::{combine, floored, illuminance, weaken};
 /// KiB.
 pub const TILE: usize = 256;
 
-/// Samples of a [`Room`]'s light.
+/// Samples of a [`TileScratch`]'s light.
 pub const ROOM: usize = 16 * TILE;
 
 /// Where one tile is worked on. Made once for many rows: it is as large as many a row of a picture.
 #[repr(align(64))]
-pub struct Room {
+pub struct TileScratch {
     /// Light, where it has to be converted or projected.
     pub light: [f32; ROOM],
     /// Cone illuminance of L, M, S, td.
@@ -46,21 +46,21 @@ pub struct Room {
     pub rgb: [[f32; TILE]; 3],
 }
 
-impl Room {
+impl TileScratch {
     /// An empty one.
     pub fn new() -> Self {
         let planes = || [[0.0; TILE]; 3];
-        Room { light: [0.0; ROOM], td: planes(), lms: planes(), rgb: planes() }
+        TileScratch { light: [0.0; ROOM], td: planes(), lms: planes(), rgb: planes() }
     }
 }
 
-impl Default for Room {
+impl Default for TileScratch {
     fn default() -> Self {
-        Room::new()
+        TileScratch::new()
     }
 }
 
-/// The most places of a tile whose `planes` fit a [`Room`].
+/// The most places of a tile whose `planes` fit a [`TileScratch`].
 pub fn tile(planes: usize) -> usize {
     let fitting = ROOM / planes.max(1);
     if fitting >= LANES { fitting / LANES * LANES } else { fitting.max(1) }.min(TILE)
@@ -76,16 +76,16 @@ const LANES: usize = 32;
 
 /// Asks for the run of samples that lies `ahead` of this one.
 #[inline(always)]
-pub fn ask_for_run<T>(run: &[T], ahead: usize) {
+pub fn prefetch_run<T>(run: &[T], ahead: usize) {
     for at in (0..run.len()).step_by(64 / size_of::<T>()) {
-        ask_for(run.as_ptr().wrapping_add(ahead + at));
+        prefetch(run.as_ptr().wrapping_add(ahead + at));
     }
 }
 
 /// Asks the processor for samples that will be wanted soon: a run that is read tile by tile, here
 /// and there, comes from memory no faster than it is asked for.
 #[inline(always)]
-fn ask_for<T>(sample: *const T) {
+fn prefetch<T>(sample: *const T) {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};

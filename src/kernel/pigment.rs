@@ -13,7 +13,7 @@
 use pulp::{Simd, WithSimd};
 
 use super::decay::{LONGEST, MEAN, SHORT, mean_decay_short, parts};
-use super::{TILE, ask_for, vectorised};
+use super::{TILE, prefetch, vectorised};
 use crate::kinetics::Kinetics;
 use crate::units::Seconds;
 
@@ -94,7 +94,7 @@ impl WithSimd for Relax<'_> {
         let mut least = simd.splat_f64s(1.0);
         for (p, light) in spans.iter_mut().zip(light) {
             for line in (0..SPAN).step_by(8) {
-                ask_for(p.as_ptr().wrapping_add(TILE + line));
+                prefetch(p.as_ptr().wrapping_add(TILE + line));
             }
             relax_span(simd, self.form, light, p, &mut least);
         }

@@ -16,6 +16,7 @@ mod tile;
 use std::ops::Range;
 
 use half::f16;
+use ndarray::{ArrayView3, Axis};
 
 pub use halves::{narrow, widen};
 pub use survey::{Cells, Survey, SurveyRow};
@@ -58,6 +59,32 @@ impl Planes {
             count,
             samples: Samples::Half(vec![f16::ZERO; width * height * count]),
         }
+    }
+
+    /// The planes of a frame in memory, shape (height, width, planes), in any strides. `old`: planes
+    /// to be written over.
+    pub fn of_frame<T: Sample>(frame: ArrayView3<'_, T>, old: Option<Planes>) -> Self {
+        let (height, width, count) = frame.dim();
+        let old = old.and_then(|old| T::taken(old.samples));
+        let mut samples = old.unwrap_or_default();
+        samples.clear();
+        samples.reserve(width * height * count);
+        for row in frame.outer_iter() {
+            for plane in row.axis_iter(Axis(1)) {
+                samples.extend(plane.iter().copied());
+            }
+        }
+        Planes { width, height, count, samples: T::samples(samples) }
+    }
+
+    /// Column, row and plane of the first sample that is NaN or infinite.
+    pub fn first_not_finite(&self) -> Option<[usize; 3]> {
+        let at = match &self.samples {
+            Samples::Half(samples) => samples.iter().position(|v| !v.is_finite()),
+            Samples::Float(samples) => samples.iter().position(|v| !v.is_finite()),
+        }?;
+        let in_row = at % (self.width * self.count);
+        Some([in_row % self.width, at / (self.width * self.count), in_row / self.width])
     }
 
     /// Row `y`, all planes.
@@ -116,11 +143,35 @@ impl Row<'_> {
 
 /// A sample of a picture that can be written.
 pub trait Sample: Copy + Send + Sync {
+    /// Samples of this type.
+    fn samples(of: Vec<Self>) -> Samples;
+
+    /// The memory of samples of this type.
+    fn taken(from: Samples) -> Option<Vec<Self>>;
+
+    /// Whether it is neither NaN nor infinite.
+    fn is_finite(self) -> bool;
+
     /// Stores a row of floats, limited to what the type can hold; returns how many were limited.
     fn store(from: &[f32], to: &mut [Self]) -> u64;
 }
 
 impl Sample for f32 {
+    fn samples(of: Vec<f32>) -> Samples {
+        Samples::Float(of)
+    }
+
+    fn taken(from: Samples) -> Option<Vec<f32>> {
+        match from {
+            Samples::Float(samples) => Some(samples),
+            _ => None,
+        }
+    }
+
+    fn is_finite(self) -> bool {
+        f32::is_finite(self)
+    }
+
     fn store(from: &[f32], to: &mut [f32]) -> u64 {
         to.copy_from_slice(from);
         0
@@ -128,6 +179,21 @@ impl Sample for f32 {
 }
 
 impl Sample for f16 {
+    fn samples(of: Vec<f16>) -> Samples {
+        Samples::Half(of)
+    }
+
+    fn taken(from: Samples) -> Option<Vec<f16>> {
+        match from {
+            Samples::Half(samples) => Some(samples),
+            _ => None,
+        }
+    }
+
+    fn is_finite(self) -> bool {
+        f16::is_finite(self)
+    }
+
     fn store(from: &[f32], to: &mut [f16]) -> u64 {
         if !narrow(from, to) {
             return 0;

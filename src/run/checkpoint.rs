@@ -1,6 +1,6 @@
 //! A checkpoint: one file that holds everything the next frame depends on, bit for bit.
 //!
-//! A line of JSON, then the numbers it counts as little-endian f64. It appears whole or not at all,
+//! A line of JSON, then the state of the eye and of the display in the postcard format. It appears whole or not at all,
 //! and is removed when the run is complete.
 
 use std::path::{Path, PathBuf};
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::error::{Error, Result};
-use crate::eye::check::Check;
+use crate::eye::State;
 use crate::frames::atomic::write_whole;
 use crate::run::report::Counters;
 
@@ -20,8 +20,10 @@ pub const NAME: &str = "checkpoint.sungaze";
 #[derive(Clone, Debug, PartialEq)]
 pub struct Checkpoint {
     pub head: Head,
-    /// Of the retina, of what lies beyond it, of the tone map, the pupil and the plan.
-    pub numbers: [Vec<f64>; 5],
+    /// The eye's own.
+    pub state: State,
+    /// Levels of the display's tone map.
+    pub map: Vec<f64>,
 }
 
 /// The part of a checkpoint that is JSON.
@@ -33,31 +35,22 @@ pub struct Head {
     pub done: usize,
     /// Number of the last complete frame.
     pub last_frame: u32,
-    pub first_gaze: Option<[f64; 2]>,
-    pub retina_size: [usize; 2],
-    pub retina_origin: [i64; 2],
     pub counters: Counters,
-    pub check: Option<Check>,
     /// Byte lengths of `trace.csv` and `probes.csv`; known when the checkpoint is written.
     pub lengths: [u64; 2],
-    /// How many numbers of each kind follow; known when the checkpoint is written.
-    pub counts: [usize; 5],
 }
 
 impl Checkpoint {
     /// Writes the checkpoint of a run whose tables have these lengths.
     pub fn write(&self, folder: &Path, lengths: [u64; 2]) -> Result<()> {
         let path = folder.join(NAME);
-        let head =
-            Head { lengths, counts: self.numbers.each_ref().map(Vec::len), ..self.head.clone() };
+        let head = Head { lengths, ..self.head.clone() };
         let head = serde_json::to_string(&head).map_err(|e| Error::file(&path, e.to_string()))?;
+        let state = postcard::to_stdvec(&(&self.state, &self.map))
+            .map_err(|e| Error::file(&path, e.to_string()))?;
         write_whole(&path, |out| {
             writeln!(out, "{head}")?;
-            for chunk in self.numbers.iter().flat_map(|numbers| numbers.chunks(4096)) {
-                let bytes: Vec<u8> = chunk.iter().flat_map(|v| v.to_le_bytes()).collect();
-                out.write_all(&bytes)?;
-            }
-            Ok(())
+            out.write_all(&state)
         })
     }
 
@@ -91,14 +84,8 @@ fn damaged(path: &PathBuf) -> Error {
 fn parse(bytes: &[u8]) -> Option<Checkpoint> {
     let end = bytes.iter().position(|&b| b == b'\n')?;
     let head: Head = serde_json::from_slice(&bytes[..end]).ok()?;
-    let (numbers, rest) = bytes[end + 1..].as_chunks::<8>();
-    let told = head.counts.iter().try_fold(0usize, |sum, &count| sum.checked_add(count))?;
-    if told != numbers.len() || !rest.is_empty() {
-        return None;
-    }
-    let mut numbers = numbers.iter().map(|&b| f64::from_le_bytes(b));
-    let numbers = head.counts.map(|count| numbers.by_ref().take(count).collect());
-    Some(Checkpoint { head, numbers })
+    let ((state, map), rest) = postcard::take_from_bytes(&bytes[end + 1..]).ok()?;
+    rest.is_empty().then_some(Checkpoint { head, state, map })
 }
 
 /// The first key in which two configurations differ, dotted.
@@ -116,37 +103,30 @@ pub fn difference(a: &Value, b: &Value) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::colour::Primaries;
+    use crate::eye::{Eye, Gaze, Light};
+    use crate::units::{Degrees, Nits, Seconds};
+    use ndarray::Array3;
 
     #[test]
     fn a_checkpoint_comes_back_bit_for_bit() {
         let folder = tempfile::tempdir().unwrap();
+        let light = Light::rgb(Primaries::REC709, Nits(1e5));
+        let mut eye = Eye::new(light, [3, 2], Degrees(1.0)).unwrap();
+        let frame = Array3::<f32>::ones((2, 3, 3));
+        eye.look(frame.view(), Gaze([0.3, 0.7]), Seconds(1.0 / 3.0)).unwrap();
         let head = Head {
             config: serde_json::json!({ "a": { "b": 14.064145733929653 } }),
             done: 7,
             last_frame: 12,
-            first_gaze: Some([50.969380913214884, f64::MIN_POSITIVE]),
-            retina_size: [1, 1],
-            retina_origin: [-3, 4],
             counters: Counters::default(),
-            check: None,
             lengths: [0; 2],
-            counts: [0; 5],
         };
-        let numbers = [
-            vec![0.1, 1e-308, 1.0],
-            vec![0.1 + 0.2],
-            vec![f64::NAN, -0.0],
-            vec![],
-            vec![f64::INFINITY, 1e-4],
-        ];
-        let written = Checkpoint { head, numbers };
+        let written = Checkpoint { head, state: eye.state(), map: vec![-0.0, 0.1 + 0.2] };
         written.write(folder.path(), [10, 20]).unwrap();
         let read = Checkpoint::read(folder.path()).unwrap().unwrap();
-        assert_eq!(read.head, Head { lengths: [10, 20], counts: [3, 1, 2, 0, 2], ..written.head });
-        let bits = |c: [Vec<f64>; 5]| {
-            c.map(|numbers| numbers.into_iter().map(f64::to_bits).collect::<Vec<_>>())
-        };
-        assert_eq!(bits(read.numbers), bits(written.numbers));
+        let head = Head { lengths: [10, 20], ..written.head.clone() };
+        assert_eq!(read, Checkpoint { head, ..written });
     }
 
     #[test]

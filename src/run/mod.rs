@@ -36,13 +36,12 @@ use crate::light::Planes;
 use crate::page;
 
 use checkpoint::Checkpoint;
-use eye::Eye;
-pub(crate) use eye::retina_of_file;
+pub(crate) use eye::Watching;
 use folder::Prepared;
 pub(crate) use folder::same;
 pub use folder::{Existing, not_empty};
 pub use gaze::Gaze;
-use reader::Loaded;
+pub(crate) use reader::Loaded;
 pub use rehearse::rehearse;
 pub use scene::Scene;
 use schedule::Step;
@@ -75,7 +74,7 @@ pub fn run(
     // Everything that can be wrong is found before an earlier run's files are touched.
     config.compression()?;
     let scene = Scene::open(config)?;
-    let mut eye = Eye::new(config, &scene, resolved.clone())?;
+    let mut eye = Watching::new(config, &scene, resolved.clone())?;
     let _mine = folder::Claim::new(folder)?;
     let resume = match folder::prepare(folder, existing, &resolved)? {
         Prepared::Complete(report) => return Ok(Outcome { went_on: false, already: true, report }),
@@ -109,7 +108,7 @@ struct Spent {
 fn stages(
     config: &Config,
     scene: &Scene,
-    eye: &mut Eye,
+    eye: &mut Watching,
     folder: &Path,
     resume: Option<&Checkpoint>,
     watch: &dyn Watch,
@@ -206,7 +205,7 @@ const OFTEN: Duration = Duration::from_millis(50);
 fn look_at_all(
     config: &Config,
     scene: &Scene,
-    eye: &mut Eye,
+    eye: &mut Watching,
     links: Links<'_>,
     watch: &dyn Watch,
 ) -> Result<()> {
@@ -228,7 +227,7 @@ fn look_at_all(
             held = Some(step.file);
         }
         let begun = Instant::now();
-        let Some(()) = look_at_one(config, scene, eye, &links, loaded) else { return Ok(()) };
+        let Some(()) = look_at_one(scene, eye, &links, loaded) else { return Ok(()) };
         let due = last_checkpoint.elapsed() >= every || begun.elapsed() >= LONG;
         if due && eye.done < scene.steps.len() {
             last_checkpoint = Instant::now();
@@ -243,16 +242,13 @@ fn look_at_all(
 
 /// One frame from the reader to the writer; `None` if the writer has hung up.
 fn look_at_one(
-    config: &Config,
     scene: &Scene,
-    eye: &mut Eye,
+    eye: &mut Watching,
     links: &Links<'_>,
     loaded: Arc<Loaded>,
 ) -> Option<()> {
-    let adapt = config.settings.observer.start == "adapted" && eye.done == 0;
     let last = eye.done + 1 == scene.steps.len();
-    let finished =
-        eye.see(&loaded, &scene.steps[eye.done], adapt, last, links.spent_seen.try_recv().ok());
+    let finished = eye.see(&loaded, &scene.steps[eye.done], last, links.spent_seen.try_recv().ok());
     if let Some(spent) = Arc::into_inner(loaded) {
         // A full queue only means that the planes are dropped here.
         let _ = links.give_back.try_send(spent.frame.planes);
@@ -261,7 +257,7 @@ fn look_at_one(
 }
 
 /// Leaves a checkpoint of what is done.
-fn stopped(scene: &Scene, eye: &Eye, links: &Links<'_>, watch: &dyn Watch) -> Result<()> {
+fn stopped(scene: &Scene, eye: &Watching, links: &Links<'_>, watch: &dyn Watch) -> Result<()> {
     watch.leaving();
     if eye.done > 0 {
         // A writer that has hung up says why itself.
@@ -274,7 +270,7 @@ fn stopped(scene: &Scene, eye: &Eye, links: &Links<'_>, watch: &dyn Watch) -> Re
 fn finish(
     config: &Config,
     scene: &Scene,
-    eye: Eye,
+    eye: Watching,
     folder: &Path,
     spent: Spent,
     begun: Instant,
@@ -286,7 +282,7 @@ fn finish(
         watch.warn(&warning);
         warnings.push(warning);
     }
-    let failed = eye.check.as_ref().filter(|_| eye.viewer.plan.is_free());
+    let failed = eye.eye.check().filter(|_| eye.eye.plan().is_free());
     let failed = failed.and_then(|check| check.beyond(config.settings.numerics.budget));
     if let Some(warning) = &failed {
         watch.warn(warning);
@@ -296,8 +292,8 @@ fn finish(
         "config": eye.config,
         "version": env!("CARGO_PKG_VERSION"),
         "constants": report::constants(config),
-        "plan": eye.viewer.plan.report(eye.viewer.model, &eye.viewer.pigments),
-        "check": eye.check.as_ref().map_or_else(report::unchecked, Check::report),
+        "plan": eye.eye.plan_report(),
+        "check": eye.eye.check().map_or_else(report::unchecked, Check::report),
         "frames": {
             "count": scene.steps.len(),
             "width": scene.footage.header().width,

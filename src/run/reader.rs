@@ -17,7 +17,7 @@ use crate::vision::Vision;
 /// A decoded frame and its luminances, on their way to the eye.
 pub struct Loaded {
     pub frame: Frame,
-    pub survey: Survey,
+    pub survey: Arc<Survey>,
     /// The places of the sampled check, and their spectra where frames hold bands.
     pub places: Arc<Vec<[usize; 2]>>,
     pub kept: Option<Arc<SampledSpectra>>,
@@ -33,28 +33,43 @@ pub struct Sequence<'a> {
 }
 
 impl Sequence<'_> {
-    /// Decodes and surveys one file. The first one is decoded twice if its places are still to be
-    /// chosen and its spectra to be kept.
+    /// Decodes and surveys one file. The first one of spectral frames is decoded twice if its
+    /// places are still to be chosen and its spectra to be kept.
     pub fn load(&mut self, file: usize, recycled: Option<Planes>) -> Result<Loaded> {
+        let projection = self.vision.projection();
         if self.places.is_none() {
-            let first = self.footage.read(file, self.vision.projection(), recycled)?;
-            self.places = Some(check::places(self.vision, &first.planes));
-            return self.load(file, Some(first.planes));
+            let first = self.footage.read(file, projection, recycled)?;
+            let places = check::places(self.vision, &first.planes);
+            self.places = Some(places.clone());
+            return match projection {
+                None => self.loaded(file, first, Arc::new(places), None),
+                Some(_) => self.load(file, Some(first.planes)),
+            };
         }
         let places = Arc::new(self.places.clone().unwrap_or_default());
         let kept = if places.is_empty() { None } else { check::room(self.vision, &places) };
-        let keeping = match (self.vision.projection(), &kept) {
+        let keeping = match (projection, &kept) {
             (Some(projection), Some(kept)) => Some(projection.keeping(kept.clone())),
             (projection, _) => projection.cloned(),
         };
         let frame = self.footage.read(file, keeping.as_ref(), recycled)?;
+        self.loaded(file, frame, places, kept)
+    }
+
+    fn loaded(
+        &self,
+        file: usize,
+        frame: Frame,
+        places: Arc<Vec<[usize; 2]>>,
+        kept: Option<Arc<SampledSpectra>>,
+    ) -> Result<Loaded> {
         let survey = eye::survey(self.vision, &frame.planes, self.pixels_per_degree);
         if !(survey.mean.is_finite() && survey.greatest.is_finite()) {
             let problem =
                 "is brighter than 3.4e38 cd/m2 somewhere: check input.white_cd_m2 or input.scale";
             return Err(Error::file(format!("frame file {}", file + 1), problem));
         }
-        Ok(Loaded { frame, survey, places, kept })
+        Ok(Loaded { frame, survey: Arc::new(survey), places, kept })
     }
 }
 

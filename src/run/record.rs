@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::config::Config;
 use crate::error::{Error, Result};
-use crate::eye::{Look, Viewer};
+use crate::eye::{Eye, Look};
 use crate::light::Planes;
 use crate::run::schedule::Step;
 use crate::units::Millimetres;
@@ -70,49 +70,43 @@ impl Probe {
     }
 
     /// Reads the probe after a look.
-    pub fn read(&self, viewer: &Viewer, planes: &Planes, look: &Look, gaze: [f64; 2]) -> Reading {
-        let pixel = self.pixel([planes.width, planes.height], gaze);
-        let p = viewer.fractions_at(look.shift, pixel);
-        let moments = viewer.vision.moments(planes, pixel[0], pixel[1]);
+    pub fn read(&self, eye: &Eye, planes: &Planes, look: &Look) -> Reading {
+        let pixel = self.pixel([planes.width, planes.height], look.gaze);
+        let p = eye.fractions_at(look, pixel);
+        let moments = eye.vision().moments(planes, pixel[0], pixel[1]);
         Reading {
             probe: self.name.clone(),
-            illuminance: viewer.illuminance_at(planes, look.pupil, gaze, pixel),
+            illuminance: eye.illuminance_at(planes, look, pixel),
             p,
-            xyz: viewer.vision.xyz(viewer.vision.catch(&moments, p)),
+            xyz: eye.vision().xyz(eye.vision().catch(&moments, p)),
         }
     }
 }
 
 /// The row of `trace.csv`.
-pub fn trace_row(
-    viewer: &Viewer,
-    planes: &Planes,
-    look: &Look,
-    gaze: [f64; 2],
-    step: &Step,
-) -> String {
+pub fn trace_row(eye: &Eye, planes: &Planes, look: &Look, step: &Step) -> String {
     let size = [planes.width, planes.height];
-    let at = [0, 1].map(|i| (gaze[i] + 0.5) / size[i] as f64);
-    let sce = viewer.vision.observer.equal_energy_weight(look.pupil, Millimetres(0.0));
-    let fovea = foveal_bleaching(viewer, size, look, gaze);
-    let most = look.census.least.map(|p| 1.0 - p);
+    let at = [0, 1].map(|i| (look.gaze[i] + 0.5) / size[i] as f64);
+    let sce = eye.vision().observer.equal_energy_weight(look.pupil, Millimetres(0.0));
+    let fovea = foveal_bleaching(eye, size, look);
+    let most = look.stats.least.map(|p| 1.0 - p);
     let numbers = [step.end(), step.duration, at[0], at[1], look.adapting.0, look.pupil.0];
     let numbers = numbers.into_iter().chain(sce).chain(fovea).chain(most);
     let row = numbers.fold(step.number.to_string(), |row, v| format!("{row},{v}"));
-    format!("{row},{}\n", viewer.plan.name(viewer.model))
+    format!("{row},{}\n", eye.model_name())
 }
 
 /// Mean bleached fraction over the fovea around the gaze.
-fn foveal_bleaching(viewer: &Viewer, size: [usize; 2], look: &Look, gaze: [f64; 2]) -> [f64; 3] {
+fn foveal_bleaching(eye: &Eye, size: [usize; 2], look: &Look) -> [f64; 3] {
     let (mut sum, mut count) = ([0.0; 3], 0.0);
-    for pixel in viewer.fovea(size[0], size[1], gaze) {
-        let p = viewer.fractions_at(look.shift, pixel);
+    for pixel in eye.fovea(size[0], size[1], look.gaze) {
+        let p = eye.fractions_at(look, pixel);
         (0..3).for_each(|k| sum[k] += 1.0 - p[k]);
         count += 1.0;
     }
     if count == 0.0 {
-        let nearest = [0, 1].map(|i| (gaze[i].round().max(0.0) as usize).min(size[i] - 1));
-        return viewer.fractions_at(look.shift, nearest).map(|p| 1.0 - p);
+        let nearest = [0, 1].map(|i| (look.gaze[i].round().max(0.0) as usize).min(size[i] - 1));
+        return eye.fractions_at(look, nearest).map(|p| 1.0 - p);
     }
     sum.map(|s| s / count)
 }

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 
 use super::reader::Loaded;
-use super::{Eye, Scene, resolved};
+use super::{Scene, Watching, resolved};
 use crate::config::Config;
 use crate::error::{Error, Result};
 use crate::run::watch::Watch;
@@ -16,7 +16,7 @@ use crate::run::watch::Watch;
 /// frames cost.
 pub fn rehearse(config: &Config, watch: &dyn Watch) -> Result<Value> {
     let scene = Scene::open(config)?;
-    let mut eye = Eye::new(config, &scene, resolved(&config.settings))?;
+    let mut eye = Watching::new(config, &scene, resolved(&config.settings))?;
     let mut sequence = scene.sequence(Some(Vec::new()));
     let (mut reading, mut last): (Duration, Option<(usize, Arc<Loaded>)>) = (Duration::ZERO, None);
     let mut recycled = None;
@@ -34,8 +34,7 @@ pub fn rehearse(config: &Config, watch: &dyn Watch) -> Result<Value> {
                 Arc::new(loaded)
             }
         };
-        let adapt = i == 0 && config.settings.observer.start == "adapted";
-        recycled = Some(eye.see(&loaded, step, adapt, false, recycled).seen);
+        recycled = Some(eye.see(&loaded, step, false, recycled).seen);
         last = Some((step.file, loaded));
         watch.frames(i + 1, scene.steps.len());
         if watch.interrupted() {
@@ -45,7 +44,7 @@ pub fn rehearse(config: &Config, watch: &dyn Watch) -> Result<Value> {
     let header = scene.footage.header();
     let megapixel_frames = (header.width * header.height * scene.steps.len()) as f64 / 1e6;
     let per_megapixel = |time: Duration| 1e3 * time.as_secs_f64() / megapixel_frames;
-    let mut plan = eye.viewer.plan.report(eye.viewer.model, &eye.viewer.pigments);
+    let mut plan = eye.eye.plan_report();
     plan["frames"] = json!(scene.steps.len());
     plan["cost_ms_per_megapixel_frame"] =
         json!({ "reading": per_megapixel(reading), "seeing": per_megapixel(eye.busy) });

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use crate::config::Config;
 use crate::constants;
-use crate::eye::Census;
+use crate::eye::LookStats;
 use crate::light::Tally;
 use crate::observer::CONES;
 
@@ -44,12 +44,12 @@ impl Counters {
     }
 
     /// Adds what one look met. `places`: how many the retina has.
-    pub fn meet(&mut self, time: f64, census: &Census, places: usize) {
-        self.limited += census.limited;
-        if census.s_past_half > 0 {
+    pub fn meet(&mut self, time: f64, stats: &LookStats, places: usize) {
+        self.limited += stats.limited;
+        if stats.s_past_half > 0 {
             self.s_past_half_from_s.get_or_insert(time);
             self.s_past_half_share =
-                self.s_past_half_share.max(census.s_past_half as f64 / places as f64);
+                self.s_past_half_share.max(stats.s_past_half as f64 / places as f64);
         }
     }
 

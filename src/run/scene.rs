@@ -4,10 +4,12 @@ use crate::colour::Primaries;
 use crate::config::Config;
 use crate::display::Display;
 use crate::error::Result;
+use crate::eye::Eye;
 use crate::frames::{self, About, Footage, Kind, builtin};
+use crate::run::eye::retina_of_file;
 use crate::run::reader::Sequence;
 use crate::run::schedule::{self, Step};
-use crate::units::Nits;
+use crate::units::{Degrees, Nits};
 use crate::vision::Vision;
 
 /// Footage, vision and schedule of one run.
@@ -66,6 +68,26 @@ impl Scene {
             }
         };
         Ok(Scene { pixels_per_degree, vision, steps, held, white, footage })
+    }
+
+    /// The eye of `[observer]`, `[numerics]` and `[gaze]` before its first look.
+    pub fn eye(&self, config: &Config) -> Result<Eye> {
+        let header = self.footage.header();
+        let size = [header.width, header.height];
+        let across = Degrees(header.width as f64 / self.pixels_per_degree);
+        let eye = Eye::builder(self.vision.clone(), size, across)
+            .pigments(config.pigments())
+            .model(config.model()?, config.budget())
+            .surround(Nits(config.settings.gaze.surround_cd_m2));
+        let eye = match config.settings.observer.start.as_str() {
+            "rested" => eye,
+            "adapted" => eye.adapted(),
+            file => eye.retina(retina_of_file(config, file, size[0], size[1]).map_err(|e| {
+                let problem = format!("{e}; accepted: rested, adapted, or a state file");
+                config.wrong("observer.start", problem)
+            })?),
+        };
+        eye.build()
     }
 
     /// The display of `[display]`, with this observer's luminance.

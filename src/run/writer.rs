@@ -7,13 +7,9 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender};
 use std::time::{Duration, Instant};
 
-use rayon::prelude::*;
-
 use crate::display::{Display, ToneMap};
 use crate::error::{Error, Result};
 use crate::frames::{self, About, Compression};
-use crate::kernel;
-use crate::light::PlaneTile;
 use crate::light::Planes;
 use crate::run::checkpoint::Checkpoint;
 use crate::run::watch::Watch;
@@ -157,22 +153,8 @@ impl Writer<'_> {
 
     /// The percept as sRGB bytes.
     pub fn picture(&self, seen: &Planes, map: &ToneMap) -> Vec<u8> {
-        let width = seen.width;
-        let mut bytes = vec![0; 3 * width * seen.height];
-        let scratch = || (vec![0.0; 3 * width], vec![0.0; 3 * width]);
-        bytes.par_chunks_exact_mut(3 * width).enumerate().for_each_init(
-            scratch,
-            |(light, srgb), (y, bytes)| {
-                let row = seen.row(y);
-                let light = row.as_f32(light);
-                let light = PlaneTile::whole(light, width);
-                for (weights, out) in self.seen_to_srgb.iter().zip(srgb.chunks_exact_mut(width)) {
-                    kernel::combine(light, weights, out);
-                }
-                let [r, g, b] = [0, 1, 2].map(|i| &srgb[i * width..][..width]);
-                self.display.encode_row(map, [r, g, b], 1.0, bytes);
-            },
-        );
+        let mut bytes = vec![0; 3 * seen.width * seen.height];
+        self.display.picture(seen, &self.seen_to_srgb, map, &mut bytes);
         bytes
     }
 }

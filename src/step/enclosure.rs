@@ -13,7 +13,7 @@
 //! solutions. So sums of these bounds hold for a whole run (rounding adds 1e-16 a sub-step).
 
 use super::frozen_midpoint;
-use crate::kinetics::{Kinetics, Law, mean_decay};
+use crate::kinetics::{Curvature, Kinetics, mean_decay};
 use crate::units::{Seconds, Trolands};
 
 /// The end of a step and the most it can differ from the truth.
@@ -37,7 +37,7 @@ pub fn enclosed(
     substeps: u32,
 ) -> Enclosed {
     let substeps = substeps.max(1);
-    if kinetics.law == Law::FirstOrder {
+    if kinetics.curvature() == Curvature::Straight {
         return Enclosed { p: super::advance(kinetics, p, light, dt, 1), error: 0.0, substeps };
     }
     let part = Seconds(dt.0 / f64::from(substeps));
@@ -100,9 +100,12 @@ fn walls(kinetics: &Kinetics, p: f64, light: Trolands, dt: Seconds) -> [f64; 2] 
     }
     // The far end of the range: by whichever line bounds p on that side, first from the whole way
     // to 0 or 1.
-    let convex = matches!(kinetics.law, Law::SelfScreened { .. });
     let bleaching = goal == 0.0;
-    let far = if convex == bleaching { tangent(p) } else { chord(goal) };
+    let by_tangent = match kinetics.curvature() {
+        Curvature::Convex => bleaching,
+        Curvature::Straight | Curvature::Concave => !bleaching,
+    };
+    let far = if by_tangent { tangent(p) } else { chord(goal) };
     if (far - p).abs() < f64::EPSILON {
         return [p, far];
     }

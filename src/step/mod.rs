@@ -52,6 +52,8 @@ pub struct Method {
     /// comes.
     pub tolerance: f64,
     pub source: &'static str,
+    /// Whether one step of held light is the solution itself, for laws that have one.
+    pub exact_when_held: bool,
     /// p after one step.
     pub step: fn(&Kinetics, f64, Drive, Seconds) -> f64,
 }
@@ -112,6 +114,10 @@ fn decay(x: f64) -> f64 {
     (-x).exp()
 }
 
+/// The exact step of held light: the integrator.
+pub const EXACT: &Method = &METHODS[13];
+const _: () = assert!(EXACT.exact_when_held);
+
 /// Every method that can be named in a configuration.
 pub const METHODS: &[Method] = &[
     Method {
@@ -122,6 +128,7 @@ pub const METHODS: &[Method] = &[
         bounded_to: 1.0,
         tolerance: 0.0,
         source: "Euler 1768",
+        exact_when_held: false,
         step: |k, p, drive, dt| runge_kutta(&FORWARD_EULER, k, p, drive, dt),
     },
     Method {
@@ -132,6 +139,7 @@ pub const METHODS: &[Method] = &[
         bounded_to: 2.0,
         tolerance: 0.0,
         source: "Heun 1900",
+        exact_when_held: false,
         step: |k, p, drive, dt| runge_kutta(&HEUN, k, p, drive, dt),
     },
     Method {
@@ -142,6 +150,7 @@ pub const METHODS: &[Method] = &[
         bounded_to: 2.785293563405282,
         tolerance: 0.0,
         source: "Kutta 1901",
+        exact_when_held: false,
         step: |k, p, drive, dt| runge_kutta(&RK4, k, p, drive, dt),
     },
     Method {
@@ -157,6 +166,7 @@ pub const METHODS: &[Method] = &[
         bounded_to: 3.306567892634,
         tolerance: 0.0,
         source: "Dormand & Prince 1980, fixed steps",
+        exact_when_held: false,
         step: |k, p, drive, dt| runge_kutta(&DORMAND_PRINCE, k, p, drive, dt),
     },
     Method {
@@ -167,6 +177,7 @@ pub const METHODS: &[Method] = &[
         bounded_to: ANY,
         tolerance: ADAPTIVE_TOLERANCE,
         source: "Dormand & Prince 1980; step control of Hairer, Norsett & Wanner 1993, II.4",
+        exact_when_held: false,
         step: |k, p, drive, dt| dormand_prince(k, p, drive, dt, ADAPTIVE_TOLERANCE).p,
     },
     Method {
@@ -177,6 +188,7 @@ pub const METHODS: &[Method] = &[
         bounded_to: ANY,
         tolerance: 0.0,
         source: "Curtiss & Hirschfelder 1952",
+        exact_when_held: false,
         step: |k, p, drive, dt| collocate(&BACKWARD_EULER, k, p, drive, dt),
     },
     Method {
@@ -187,6 +199,7 @@ pub const METHODS: &[Method] = &[
         bounded_to: 2.0,
         tolerance: 0.0,
         source: "Crank & Nicolson 1947",
+        exact_when_held: false,
         step: |k, p, drive, dt| collocate(&TRAPEZOID, k, p, drive, dt),
     },
     Method {
@@ -197,6 +210,7 @@ pub const METHODS: &[Method] = &[
         bounded_to: 1.0 + SQRT_2,
         tolerance: 0.0,
         source: "Bank et al. 1985; Hosea & Shampine 1996; Bonaventura & Della Rocca 2017",
+        exact_when_held: false,
         step: |k, p, drive, dt| collocate(&TR_BDF2, k, p, drive, dt),
     },
     Method {
@@ -207,6 +221,7 @@ pub const METHODS: &[Method] = &[
         bounded_to: ANY,
         tolerance: 0.0,
         source: "Verwer et al. 1999, gamma = 1 + 1/sqrt 2",
+        exact_when_held: false,
         step: |k, p, drive, dt| linearly_implicit(&ROS2, k, p, drive, dt),
     },
     Method {
@@ -217,6 +232,7 @@ pub const METHODS: &[Method] = &[
         bounded_to: ANY,
         tolerance: 0.0,
         source: "Chipman 1971",
+        exact_when_held: false,
         step: |k, p, drive, dt| collocate(&LOBATTO_IIIC_2, k, p, drive, dt),
     },
     Method {
@@ -227,6 +243,7 @@ pub const METHODS: &[Method] = &[
         bounded_to: ANY,
         tolerance: 0.0,
         source: "Ehle 1969; Hairer & Wanner 1996, IV.5",
+        exact_when_held: false,
         step: |k, p, drive, dt| collocate(&RADAU_IIA_5, k, p, drive, dt),
     },
     Method {
@@ -237,6 +254,7 @@ pub const METHODS: &[Method] = &[
         bounded_to: ANY,
         tolerance: 0.0,
         source: "Hairer & Wanner 1996, VI.4",
+        exact_when_held: false,
         step: |k, p, drive, dt| linearly_implicit(&RODAS4, k, p, drive, dt),
     },
     Method {
@@ -247,6 +265,7 @@ pub const METHODS: &[Method] = &[
         bounded_to: ANY,
         tolerance: 0.0,
         source: "Certaine 1960: rates frozen at the start",
+        exact_when_held: false,
         step: exponential::exponential_euler,
     },
     Method {
@@ -257,6 +276,7 @@ pub const METHODS: &[Method] = &[
         bounded_to: ANY,
         tolerance: 0.0,
         source: "the solution under held light; other laws with rates frozen at half the step",
+        exact_when_held: true,
         step: exponential::hold_mean,
     },
     Method {
@@ -267,6 +287,7 @@ pub const METHODS: &[Method] = &[
         bounded_to: ANY,
         tolerance: 0.0,
         source: "Iserles & Norsett 1999",
+        exact_when_held: false,
         step: exponential::magnus_4,
     },
     Method {
@@ -277,6 +298,7 @@ pub const METHODS: &[Method] = &[
         bounded_to: ANY,
         tolerance: 0.0,
         source: "Pope 1963; Hochbruck, Ostermann & Schweitzer 2009",
+        exact_when_held: false,
         step: exponential::exponential_rosenbrock,
     },
     Method {
@@ -287,6 +309,7 @@ pub const METHODS: &[Method] = &[
         bounded_to: ANY,
         tolerance: 0.0,
         source: "the solution under light that is linear over the step, by Dawson's integral and erfcx",
+        exact_when_held: false,
         step: ramp::ramp,
     },
 ];

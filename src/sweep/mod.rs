@@ -29,12 +29,12 @@ use crate::display::ToneMap;
 use crate::error::{Error, Result};
 use crate::frames::atomic;
 use crate::run::writer::{Finished, Spent};
-use crate::run::{self, Existing, Scene, Watch};
+use crate::run::{self, Existing, Loaded, Scene, Watch};
 use crate::units::Seconds;
 
-use eye::Eye;
+use eye::CaseEye;
 use folder::{Done, Folder, Left, Steady};
-use light::{Key, Lit};
+use light::Key;
 use pass::Span;
 
 /// Which part of a sweep to do.
@@ -194,15 +194,15 @@ impl Cells<'_> {
         Ok(())
     }
 
-    fn lit(&self, opened: &Opened) -> Result<Arc<Lit>> {
-        light::lit(&opened.scene, opened.first_file(), self.side)
+    fn lit(&self, opened: &Opened) -> Result<Arc<Loaded>> {
+        light::lit(&opened.scene, opened.first_file(), None)
     }
 
     /// One pass of one case.
     fn case(
         &self,
         opened: &Opened,
-        first: &Arc<Lit>,
+        first: &Arc<Loaded>,
         map: &Arc<ToneMap>,
         cells: usize,
     ) -> Result<()> {
@@ -210,32 +210,34 @@ impl Cells<'_> {
         let path = self.folder.begin(case.number)?;
         let writer =
             run::writer(&case.config, scene, &run::resolved(&case.config.settings), &path)?;
-        let mut eye = Eye::new(case, scene, first, self.sweep.pictures, spans.len())?;
+        let mut eye = CaseEye::new(&case.config, scene)?;
         let (mut file, mut light) = (opened.first_file(), first.clone());
+        let planes = &first.frame.planes;
+        let size = reduced::size([planes.width, planes.height], self.side);
         let (mut rows, mut pictures, mut steady) =
             (table::header(&self.sweep.keys), Vec::new(), Vec::new());
-        let (mut bad_frames, mut past_limit) = (scene.held.len() + usize::from(first.mended), None);
+        let (mut bad_frames, mut past_limit) =
+            (scene.held.len() + usize::from(first.frame.tally.non_finite() > 0), None);
         for span in spans {
             if self.watch.interrupted() {
                 return Err(Error::Interrupted { resumable: true });
             }
             if span.file != file {
-                (file, light) = (span.file, light::lit(scene, span.file, self.side)?);
-                bad_frames += usize::from(light.mended);
+                let places = first.places.to_vec();
+                (file, light) = (span.file, light::lit(scene, span.file, Some(places))?);
+                bad_frames += usize::from(light.frame.tally.non_finite() > 0);
             }
-            let sight = eye.watch(&light, span);
-            past_limit = past_limit.or(sight.past_limit);
+            let seen = eye.watch(&light, span);
+            past_limit = past_limit.or(seen.past_limit);
             let Some(cell) = span.cell else { continue };
-            rows += &table::rows(
-                case.number,
-                self.sweep.durations[cell],
-                &case.values,
-                &sight.readings,
-            );
-            pictures.extend(writer.picture(&sight.small, map));
-            steady = sight.steady;
-            if let Some(seen) = sight.seen.filter(|_| self.sweep.pictures) {
-                writer.write(&finished(case, cell, seen, map), &mut Spent::default())?;
+            rows +=
+                &table::rows(case.number, self.sweep.durations[cell], &case.values, &seen.readings);
+            let small = reduced::reduced(&seen.look.percept, size);
+            pictures.extend(writer.picture(&small, map));
+            steady = seen.steady;
+            if self.sweep.pictures {
+                let cell = finished(case, cell, seen.look.percept, map);
+                writer.write(&cell, &mut Spent::default())?;
             }
             self.watch.frames(self.done.fetch_add(1, Ordering::Relaxed) + 1, cells);
         }
@@ -243,7 +245,6 @@ impl Cells<'_> {
             bleached: reading.p.map(|p| 1.0 - p),
             chromaticity: chromaticity(reading.xyz),
         });
-        let size = [first.small.width, first.small.height];
         let done = Done {
             digest: self.folder.digest.clone(),
             rows: run::digest(rows.as_bytes()),

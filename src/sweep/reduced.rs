@@ -1,8 +1,4 @@
-//! A smaller picture of the same light: each of its pixels is the mean of the area that it covers.
-//!
-//! The contact sheet shows what the eye makes of this light. Pigment is not linear, so the mean of
-//! many percepts is not quite the percept of the mean light; but light is what an eye's optics
-//! average, too, before any pigment.
+//! A smaller picture of a percept: each of its pixels is the mean of the area that it covers.
 
 use rayon::prelude::*;
 

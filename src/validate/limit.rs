@@ -13,11 +13,11 @@ use rayon::prelude::*;
 
 use crate::constants::CONSTANTS;
 use crate::error::Result;
-use crate::eye::retina::{Advance, Model};
+use crate::eye::pigment::{Model, PigmentStep};
 use crate::kinetics::{Kinetics, Law};
 use crate::observer::{CONES, Observer};
 use crate::spectrum::Curve;
-use crate::step::METHODS;
+use crate::step;
 use crate::units::{Seconds, Trolands};
 
 use super::{Check, PAPER, STANDARD, Subject};
@@ -58,15 +58,15 @@ pub struct Field {
 
 /// The exact method as a run uses it.
 pub(super) fn tracked() -> Model {
-    let exact = METHODS.iter().find(|method| method.name == "exact").unwrap_or(&METHODS[0]);
+    let exact = step::EXACT;
     Model::Tracked { method: exact, substeps: 1, budget: 1e-3 }
 }
 
 /// One place under held light after one frame.
 fn after(pigment: &Kinetics, model: Model, light: f64, duration: f64, p: f64) -> f64 {
     let pigments = [*pigment; 3];
-    let mut row = [p; 3];
-    Advance::new(pigments, model, Seconds(duration)).row(&[light as f32; 3], &mut row);
+    let mut row = [p];
+    PigmentStep::new(pigments, model, Seconds(duration)).cone(0, &[light as f32], &mut row);
     row[0]
 }
 

@@ -5,19 +5,21 @@
 //! fraction.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use ndarray::Array3;
 
 use crate::constants::CONSTANTS;
 use crate::error::Result;
-use crate::eye::retina::{Model, Retina};
-use crate::eye::{self, Viewer};
+use crate::eye::pigment::Model;
+use crate::eye::retina::Retina;
+use crate::eye::{self, Eye, Stimulus};
 use crate::frames::Kind;
 use crate::kinetics::{Kinetics, Law};
 use crate::light::Survey;
 use crate::light::{Planes, Samples};
 use crate::run::Scene;
-use crate::units::Seconds;
+use crate::units::{Degrees, Seconds};
 
 use super::limit::{self, STARTS, worst};
 use super::{Check, PAPER, STANDARD, Subject};
@@ -67,14 +69,15 @@ pub(super) fn checks(subject: &Subject) -> Result<Vec<Check>> {
             for narrowing in ["depleted", "narrowed"] {
                 let toml = format!("{preset}\nobserver.narrowing = {narrowing:?}\n");
                 let stare = Stare::new(subject, &picture, &toml)?;
-                checks
-                    .extend(stare.checks(&format!("{}, preset {name}, {narrowing}", picture.name)));
+                checks.extend(
+                    stare.checks(&format!("{}, preset {name}, {narrowing}", picture.name))?,
+                );
             }
         }
         for set in CONSTANTS.iter().filter(|set| set.name != "standard") {
             let stare =
                 Stare::new(subject, &picture, &format!("observer.constants = {:?}\n", set.name))?;
-            checks.extend(stare.checks(&format!("{}, constants {}", picture.name, set.name)));
+            checks.extend(stare.checks(&format!("{}, constants {}", picture.name, set.name))?);
         }
     }
     if render().is_none() {
@@ -84,12 +87,12 @@ pub(super) fn checks(subject: &Subject) -> Result<Vec<Check>> {
     Ok(checks)
 }
 
-/// A viewer's picture, with the steady state of every start.
+/// A stared-at picture, with the steady state of every start.
 struct Stare {
     scene: Scene,
     pigments: [Kinetics; 3],
     planes: Planes,
-    survey: Survey,
+    survey: Arc<Survey>,
     pixels_per_degree: f64,
 }
 
@@ -114,44 +117,46 @@ impl Stare {
         let step = (whole.width / WIDTH).max(1);
         let planes = every(step, &whole);
         let pixels_per_degree = scene.pixels_per_degree / step as f64;
-        let survey = eye::survey(&scene.vision, &planes, pixels_per_degree);
+        let survey = Arc::new(eye::survey(&scene.vision, &planes, pixels_per_degree));
         Ok(Stare { pigments: config.pigments(), scene, planes, survey, pixels_per_degree })
     }
 
-    fn viewer(&self, model: Model, start: f64) -> Viewer {
-        let (width, height) = (self.planes.width, self.planes.height);
-        let retina =
-            Retina::from_fractions(Array3::from_elem((height, 3, width), start), [start; 3]);
-        Viewer::new(self.scene.vision.clone(), self.pigments, model, retina, self.pixels_per_degree)
+    fn eye(&self, model: Model, start: f64) -> Result<Eye> {
+        let Planes { width, height, .. } = self.planes;
+        let p = Array3::from_elem((height, 3, width), start);
+        let across = Degrees(width as f64 / self.pixels_per_degree);
+        Eye::builder(self.scene.vision.clone(), [width, height], across)
+            .pigments(self.pigments)
+            .model(model, None)
+            .retina(Retina::from_fractions(p.view(), [start; 3]))
+            .build()
+    }
+
+    fn look(&self, eye: &mut Eye, seconds: f64) -> Planes {
+        let (planes, survey) = (&self.planes, &self.survey);
+        let stimulus = Stimulus { planes, survey, checked: &[], spectra: None };
+        eye.look_at(stimulus, self.gaze(), Seconds(seconds)).percept
     }
 
     fn gaze(&self) -> [f64; 2] {
         [self.planes.width, self.planes.height].map(|n| (n as f64 - 1.0) / 2.0)
     }
 
-    fn stare(&self, start: f64) -> Found {
-        let mut settled = self.viewer(Model::Steady, start);
-        let end = settled.look(&self.planes, &self.survey, self.gaze(), Seconds(1.0), None);
-        let steady = settled.retina.fractions().to_vec();
-        let mut viewer = self.viewer(limit_model(&self.pigments[0]), start);
+    fn stare(&self, start: f64) -> Result<Found> {
+        let mut settled = self.eye(Model::Steady, start)?;
+        let end = self.look(&mut settled, 1.0);
+        let steady = settled.retina().fractions();
+        let mut eye = self.eye(limit_model(&self.pigments[0]), start)?;
         let (mut now, mut rate, mut percept) = (0.0, 1.0, 0.0);
         for time in ENDS {
-            let look =
-                viewer.look(&self.planes, &self.survey, self.gaze(), Seconds(time - now), None);
+            let seen = self.look(&mut eye, time - now);
             now = time;
-            rate = worst(
-                [rate].into_iter().chain(self.rates(
-                    start,
-                    time,
-                    viewer.retina.fractions(),
-                    &steady,
-                )),
-                1.0,
-            );
-            percept = difference(&look.seen, &end.seen);
+            let rates = self.rates(start, time, eye.retina().fractions(), steady);
+            rate = worst([rate].into_iter().chain(rates), 1.0);
+            percept = difference(&seen, &end);
         }
-        let errors = viewer.retina.fractions().iter().zip(&steady).map(|(p, end)| (p - end).abs());
-        Found { rate, error: worst(errors, 0.0), percept }
+        let errors = eye.retina().fractions().iter().zip(steady).map(|(p, end)| (p - end).abs());
+        Ok(Found { rate, error: worst(errors, 0.0), percept })
     }
 
     /// Rate of fall over theory at every place whose error can still be read.
@@ -172,8 +177,9 @@ impl Stare {
         p.iter().zip(steady).enumerate().filter_map(of_place)
     }
 
-    fn checks(&self, what: &str) -> Vec<Check> {
+    fn checks(&self, what: &str) -> Result<Vec<Check>> {
         let found = STARTS.map(|start| self.stare(start));
+        let found = found.into_iter().collect::<Result<Vec<_>>>()?;
         let linear = self.pigments[0].law == Law::FirstOrder;
         let rate = worst(found.iter().map(|f| f.rate), 1.0);
         let error = worst(found.iter().map(|f| f.error), 0.0);
@@ -190,7 +196,7 @@ impl Stare {
             0.0,
             2e-6,
         );
-        linear.then_some(fall).into_iter().chain([rest, seen]).collect()
+        Ok(linear.then_some(fall).into_iter().chain([rest, seen]).collect())
     }
 }
 

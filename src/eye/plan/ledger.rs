@@ -1,7 +1,7 @@
 //! What each tile of the retina may have lost unseen.
 
 /// The bounds of all tiles, row by row; infinite once a tile is tracked.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Ledger {
     bounds: Vec<f64>,
     per_row: usize,

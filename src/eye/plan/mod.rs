@@ -16,13 +16,19 @@
 mod ledger;
 mod terms;
 
-use crate::eye::retina::Model;
-use crate::kinetics::{Kinetics, Law};
+use serde::{Deserialize, Serialize};
+
+use crate::eye::pigment::Model;
+use crate::eye::stats::LookStats;
+use crate::kinetics::Kinetics;
 use crate::units::{Seconds, Trolands};
 use crate::vision::Vision;
 
-pub(crate) use ledger::Ledger;
+use ledger::Ledger;
 pub use terms::Term;
+
+/// The budget where none is asked for: the largest error of p and of a catch.
+pub const BUDGET: f64 = 1e-3;
 
 /// Share of the budget for the bleaching of places that are left untouched.
 const UNTOUCHED: f64 = 0.5;
@@ -32,24 +38,31 @@ pub const STEADY: f64 = 0.25;
 pub const SUBSTEPS: f64 = 0.25;
 
 /// What is modelled of a scene, decided while its frames go by.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
     /// Largest error of p and of a catch; `None`: what was asked for is done everywhere.
     budget: Option<f64>,
     /// For each tile the most that may have bleached unseen.
-    pub(crate) ledger: Ledger,
+    pub(super) ledger: Ledger,
     /// The greatest peak density of a pigment, on which the levels' error depends.
     density: f64,
     /// Whether frames come as sums over bands, so that what is seen is their light only to single
     /// precision.
     projected: bool,
-    met: Met,
+    stats: PlanStats,
 }
 
 /// What was left out so far, and what could have been.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Met {
-    left_out: LeftOut,
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct PlanStats {
+    /// The most that has bleached unseen in a tile that was left untouched.
+    untouched: f64,
+    /// Whether any place was stepped, and whether by its steady state or by following.
+    stepped: bool,
+    settled: bool,
+    followed: bool,
+    /// The most that a steady state that was taken is wrong by, relative to p.
+    forgotten: f64,
     /// What would have bleached unseen if every tile had been left untouched: by now, and at the
     /// most.
     unseen: f64,
@@ -58,77 +71,12 @@ struct Met {
     remembered: f64,
 }
 
-/// What was left out of some places over some time, at most.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct LeftOut {
-    /// Bleached unseen in a tile that was left untouched.
-    pub untouched: f64,
-    /// Wrong, relative to p, where a steady state was taken because the step outlasts what pigment
-    /// remembers.
-    pub outlasted: f64,
-    /// Whether any place was stepped, and whether by its steady state or by following.
-    pub stepped: bool,
-    pub settled: bool,
-    pub followed: bool,
-}
-
-impl LeftOut {
-    /// What was left out of both.
-    pub fn and(self, other: LeftOut) -> LeftOut {
-        LeftOut {
-            untouched: self.untouched.max(other.untouched),
-            outlasted: self.outlasted.max(other.outlasted),
-            stepped: self.stepped | other.stepped,
-            settled: self.settled | other.settled,
-            followed: self.followed | other.followed,
-        }
-    }
-}
-
 /// What a plan allows over one step.
 #[derive(Clone, Copy, Debug)]
 pub struct Rule {
     per_half_bleach: [f64; 3],
     share: [f64; 3],
     allowed: f64,
-    lasting: [Lasting; 3],
-}
-
-/// From which light on a step outlasts what a pigment remembers. Relative to p, with y = (h/tau) (1
-/// + s):
-///
-/// ```text
-/// |p1 - p_inf|/p_inf <= (1 + s) e^-y = (tau/h) y e^-y,   which falls from y = 1 on
-/// ```
-#[derive(Clone, Copy, Debug)]
-struct Lasting {
-    steps_of_tau: f64,
-    half_bleach: f64,
-    /// The least light, td; infinite where a step never does.
-    from: f64,
-}
-
-impl Lasting {
-    /// For a pigment and a step that may leave so much.
-    fn new(pigment: &Kinetics, dt: Seconds, most: f64) -> Self {
-        let steps_of_tau = dt.0 / pigment.tau.0;
-        // y = ln(y/e) settles quickly where y is large, and only there does it matter.
-        let share = most * steps_of_tau;
-        let y = (0..60).fold(1.0, |y: f64, _| (y / share).ln().max(1.0));
-        let from = ROUNDED_UP * (y / steps_of_tau - 1.0).max(0.0) * pigment.half_bleach.0;
-        let known = pigment.law == Law::FirstOrder && share > 0.0;
-        Lasting {
-            steps_of_tau,
-            half_bleach: pigment.half_bleach.0,
-            from: if known { from } else { f64::INFINITY },
-        }
-    }
-
-    /// What the steady state of such light, td, or brighter may be wrong by.
-    fn bound(self, least: f64) -> f64 {
-        let y = (self.steps_of_tau * (1.0 + least / self.half_bleach)).max(1.0);
-        y * (-y).exp() / self.steps_of_tau
-    }
 }
 
 impl Rule {
@@ -147,17 +95,6 @@ impl Rule {
             |k: usize| bound + self.share[k] * (greatest[k] * self.per_half_bleach[k] - bound);
         (0..3).map(of_cone).fold(0.0, f64::max)
     }
-
-    /// Whether the steady state of cone `k` will do for a run of places, and what it costs then.
-    /// `least` is asked for only where the greatest light, td, is enough.
-    pub fn outlasts(&self, k: usize, greatest: f32, least: impl FnOnce() -> f32) -> Option<f64> {
-        let lasting = &self.lasting[k];
-        if f64::from(greatest) < lasting.from {
-            return None;
-        }
-        let least = f64::from(least());
-        (least >= lasting.from && lasting.from.is_finite()).then(|| lasting.bound(least))
-    }
 }
 
 impl Plan {
@@ -168,7 +105,7 @@ impl Plan {
             ledger: Ledger::default(),
             density: 0.0,
             projected: false,
-            met: Met::default(),
+            stats: PlanStats::default(),
         }
     }
 
@@ -178,8 +115,9 @@ impl Plan {
     }
 
     /// Opens the ledger of `rows` rows of `per_row` tiles. `rested`: whether every pigment is
-    /// whole; of an eye that is not, nothing may be left out.
-    pub(crate) fn open(
+    /// unbleached; of an eye that is not, nothing may be left out. Where rows are cut into other
+    /// tiles than before, each has the bound of the worst.
+    pub(super) fn open(
         &mut self,
         per_row: usize,
         rows: usize,
@@ -188,111 +126,77 @@ impl Plan {
     ) {
         self.density = vision.observer.fundamentals.density().into_iter().fold(0.0, f64::max);
         self.projected = !vision.returns_its_light();
-        if self.ledger.bounds().is_empty() {
-            let known = rested();
-            self.met.everywhere = if known { 0.0 } else { 1.0 };
-            let bound = if known { 0.0 } else { f64::INFINITY };
+        let ledger = &self.ledger;
+        if ledger.bounds().is_empty() {
+            let bound = if rested() { 0.0 } else { f64::INFINITY };
+            self.stats.everywhere = if bound == 0.0 { 0.0 } else { 1.0 };
             self.ledger = Ledger::new(vec![bound; per_row * rows], per_row, bound);
+        } else if ledger.per_row() != per_row {
+            let worst = ledger.bounds().iter().copied().fold(0.0, f64::max);
+            self.ledger = Ledger::new(vec![worst; per_row * rows], per_row, ledger.beyond());
         }
     }
 
+    /// Whether another plan keeps the same budget and has `rows` rows of tiles.
+    pub(super) fn fits(&self, other: &Plan, rows: usize) -> bool {
+        let ledger = &other.ledger;
+        let known = ledger.bounds().iter().all(|bound| *bound >= 0.0) && ledger.beyond() >= 0.0;
+        let cut = ledger.bounds().is_empty()
+            || ledger.per_row().checked_mul(rows) == Some(ledger.bounds().len());
+        self.budget == other.budget && known && cut
+    }
+
     /// How pigment is to be moved over one frame.
-    pub(crate) fn model(&self, asked: Model, pigments: &[Kinetics; 3], dt: Seconds) -> Model {
+    pub(super) fn model(&self, asked: Model, pigments: &[Kinetics; 3], dt: Seconds) -> Model {
         let (Some(budget), Model::Tracked { method, .. }) = (self.budget, asked) else {
             return asked;
         };
-        let lasts = method.name == "exact" && remembered(pigments, dt) <= STEADY * budget;
+        let lasts = method.exact_when_held && remembered(pigments, dt) <= STEADY * budget;
         if lasts { Model::Steady } else { asked }
     }
 
     /// The rule for one frame.
-    pub(crate) fn rule(&self, pigments: &[Kinetics; 3], dt: Seconds) -> Rule {
+    pub(super) fn rule(&self, pigments: &[Kinetics; 3], dt: Seconds) -> Rule {
         Rule {
             per_half_bleach: pigments
                 .each_ref()
                 .map(|p| ROUNDED_UP * rate_at_rest(p) / p.half_bleach.0),
             share: pigments.each_ref().map(|p| -(-dt.0 / p.tau.0).exp_m1()),
             allowed: self.budget.map_or(0.0, |budget| UNTOUCHED * budget / growth(pigments)),
-            lasting: pigments
-                .each_ref()
-                .map(|p| Lasting::new(p, dt, self.budget.map_or(0.0, |b| STEADY * b))),
         }
     }
 
-    /// Takes note of a frame: what was left out, its greatest light, td, and how pigment was moved
-    /// where it was.
-    pub(crate) fn note(
+    /// Takes note of a look: what it met and how pigment was moved where it was.
+    pub(super) fn note(
         &mut self,
-        left_out: LeftOut,
-        greatest: [f64; 3],
+        stats: &LookStats,
         by: Model,
         pigments: &[Kinetics; 3],
         dt: Seconds,
     ) {
         let (rule, remembered) = (self.rule(pigments, dt), remembered(pigments, dt));
-        let lasted = left_out.stepped && self.is_free() && matches!(by, Model::Steady);
-        let outlasted = if lasted { remembered } else { left_out.outlasted };
-        let unseen = rule.bleached(self.met.unseen, greatest);
-        self.met = Met {
-            left_out: self.met.left_out.and(LeftOut {
-                outlasted,
-                settled: lasted | left_out.settled,
-                ..left_out
-            }),
+        let settled = stats.stepped && self.is_free() && matches!(by, Model::Steady);
+        let followed = stats.stepped && matches!(by, Model::Tracked { .. });
+        let (so_far, unseen) = (self.stats, rule.bleached(self.stats.unseen, stats.greatest));
+        self.stats = PlanStats {
+            untouched: so_far.untouched.max(stats.untouched),
+            stepped: so_far.stepped | stats.stepped,
+            settled: so_far.settled | settled,
+            followed: so_far.followed | followed,
+            forgotten: so_far.forgotten.max(if settled { remembered } else { 0.0 }),
             unseen,
-            everywhere: self.met.everywhere.max(unseen).min(1.0),
-            remembered: self.met.remembered.max(remembered),
+            everywhere: so_far.everywhere.max(unseen).min(1.0),
+            remembered: so_far.remembered.max(remembered),
         };
     }
 
     /// What was done so far: `none` where every place was left untouched.
     pub fn name(&self, asked: Model) -> &'static str {
-        match (self.budget, self.met.left_out) {
+        match (self.budget, self.stats) {
             (None, _) => asked.name(),
-            (_, LeftOut { stepped: false, .. }) => Model::Unbleached.name(),
-            (_, LeftOut { followed: false, .. }) => Model::Steady.name(),
+            (_, PlanStats { stepped: false, .. }) => Model::Unbleached.name(),
+            (_, PlanStats { followed: false, .. }) => Model::Steady.name(),
             _ => asked.name(),
-        }
-    }
-
-    /// Everything that the next frame depends on, for a checkpoint.
-    pub fn to_numbers(&self) -> Vec<f64> {
-        let Met { left_out, unseen, everywhere, remembered } = self.met;
-        let LeftOut { untouched, outlasted, stepped, settled, followed } = left_out;
-        let flags = [stepped, settled, followed].map(|flag| f64::from(u8::from(flag)));
-        let met =
-            [untouched, outlasted, flags[0], flags[1], flags[2], unseen, everywhere, remembered];
-        let met = met.into_iter().chain([self.ledger.per_row() as f64, self.ledger.beyond()]);
-        met.chain(self.ledger.bounds().iter().copied()).collect()
-    }
-
-    /// Takes up what [`Plan::to_numbers`] gave.
-    pub fn restore(&mut self, numbers: &[f64]) {
-        if let [
-            untouched,
-            outlasted,
-            stepped,
-            settled,
-            followed,
-            unseen,
-            everywhere,
-            remembered,
-            per_row,
-            beyond,
-            bounds @ ..,
-        ] = numbers
-        {
-            let [stepped, settled, followed] = [stepped, settled, followed].map(|flag| *flag > 0.0);
-            let left_out = LeftOut {
-                untouched: *untouched,
-                outlasted: *outlasted,
-                stepped,
-                settled,
-                followed,
-            };
-            self.met =
-                Met { left_out, unseen: *unseen, everywhere: *everywhere, remembered: *remembered };
-            self.ledger = Ledger::new(bounds.to_vec(), *per_row as usize, *beyond);
         }
     }
 }
@@ -319,6 +223,7 @@ fn remembered(pigments: &[Kinetics; 3], dt: Seconds) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kinetics::Law;
     use crate::step;
     use proptest::prelude::*;
 

@@ -3,8 +3,8 @@
 
 use serde_json::{Value, json};
 
-use super::{LeftOut, Met, Plan, growth};
-use crate::eye::retina::{LEAST_KEPT, Model};
+use super::{Plan, PlanStats, growth};
+use crate::eye::pigment::{LEAST_KEPT, Model};
 use crate::kinetics::{Kinetics, Law};
 use crate::observer::directional;
 use crate::vision::level_bound;
@@ -15,12 +15,6 @@ const SINGLE_BOUND: f64 = 1e-5;
 /// The greatest change of p for a change of ln I: 1/e (numerics 5.5).
 const PER_LOG_LIGHT: f64 = 0.3679;
 
-/// Typical cost of a place in a frame, ns: light, pigment and percept of RGB halves, for the model
-/// `none`, `steady`, `tracked`, and `tracked` with a law that has no closed form. The first three
-/// by `sungaze chart ladder`; the last by `sungaze plan --threads 1` on a bright sequence, 500
-/// rate-limited and 1000 self-screened. On an EPYC of 2023; to compare by, not to rely on.
-const COST_NS: [f64; 4] = [2.0, 5.0, 6.0, 700.0];
-
 /// One reduction of the full model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Term {
@@ -28,8 +22,6 @@ pub struct Term {
     /// The most that it costs of p, or of a catch relative to itself; not taken, what it would
     /// cost. `None`: unknown.
     pub bound: Option<f64>,
-    /// Typical time for a place in a frame where it is taken, ns. `None`: it is part of the others.
-    pub cost_ns: Option<f64>,
     pub chosen: bool,
     pub why: String,
 }
@@ -42,7 +34,6 @@ impl Plan {
             json!({
                 "what": term.what,
                 "bound": term.bound,
-                "cost_ns_per_place": term.cost_ns,
                 "chosen": term.chosen,
                 "why": term.why,
             })
@@ -64,7 +55,7 @@ impl Plan {
 
     /// What ignoring all bleaching would cost at most; `None` if that has no bound.
     pub fn bound_of_none(&self, pigments: &[Kinetics; 3]) -> Option<f64> {
-        relative(self.met.everywhere, pigments)
+        relative(self.stats.everywhere, pigments)
     }
 
     fn tiles_tracked(&self) -> usize {
@@ -79,7 +70,6 @@ impl Plan {
             _ => vec![Term {
                 what: "the model that was asked for",
                 bound: None,
-                cost_ns: Some(COST_NS[usize::from(matches!(asked, Model::Steady))]),
                 chosen: true,
                 why: format!("numerics.model = {:?}", asked.name()),
             }],
@@ -93,15 +83,14 @@ impl Plan {
 
     /// What a free plan may leave out.
     fn choices(&self, budget: f64, pigments: &[Kinetics; 3]) -> [Term; 3] {
-        let Met { left_out, everywhere, remembered, .. } = self.met;
-        let LeftOut { untouched, outlasted, stepped, settled, .. } = left_out;
+        let PlanStats { untouched, stepped, settled, forgotten, everywhere, remembered, .. } =
+            self.stats;
         let allowed = super::UNTOUCHED * budget / growth(pigments);
         let lasting = super::STEADY * budget;
         [
             Term {
                 what: "no bleaching anywhere",
                 bound: relative(if stepped { everywhere } else { untouched }, pigments),
-                cost_ns: Some(COST_NS[0]),
                 chosen: !stepped,
                 why: match stepped {
                     true => {
@@ -117,7 +106,6 @@ impl Plan {
             Term {
                 what: "no bleaching where little light falls",
                 bound: relative(untouched, pigments),
-                cost_ns: Some(COST_NS[0]),
                 chosen: stepped && untouched > 0.0,
                 why: format!(
                     "a tile is left alone until {} can have bleached: {} of {} still are",
@@ -128,8 +116,7 @@ impl Plan {
             },
             Term {
                 what: "steady state in place of the way there",
-                bound: Some(if settled { outlasted } else { remembered }),
-                cost_ns: Some(COST_NS[1]),
+                bound: Some(if settled { forgotten } else { remembered }),
                 chosen: settled,
                 why: match settled {
                     true => format!(
@@ -153,19 +140,18 @@ impl Plan {
             unreachable!("only tracked pigment is followed")
         };
         let linear = pigments.iter().all(|p| p.law == Law::FirstOrder);
-        let (what, bound) = match method.name {
-            "exact" if linear => ("the exact step", Some(0.0)),
-            "exact" if substeps == 0 => (
+        let (what, bound) = match (method.exact_when_held, substeps) {
+            (true, _) if linear => ("the exact step", Some(0.0)),
+            (true, 0) => (
                 "the exact step, its rates frozen over sub-steps",
                 (budget >= LEAST_KEPT).then_some(budget),
             ),
             _ => ("the steps that were asked for", None),
         };
-        let chosen = self.met.left_out.followed || !self.is_free();
+        let chosen = self.stats.followed || !self.is_free();
         Term {
             what,
             bound,
-            cost_ns: Some(COST_NS[if linear { 2 } else { 3 }]),
             chosen,
             why: match chosen {
                 true => format!("{} of {} tiles", self.tiles_tracked(), self.ledger.bounds().len()),
@@ -176,11 +162,10 @@ impl Plan {
 
     /// What the shape of the percept's sums costs.
     fn seeing(&self) -> [Term; 3] {
-        let stepped = self.met.left_out.stepped || !self.is_free();
+        let stepped = self.stats.stepped || !self.is_free();
         let term = |what, bound, chosen, why: &str| Term {
             what,
             bound: Some(bound),
-            cost_ns: None,
             chosen,
             why: if chosen { why.into() } else { "the light is returned as it came".into() },
         };

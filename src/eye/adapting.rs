@@ -5,17 +5,14 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::Viewer;
+use super::Eye;
 use crate::kernel::{self, TILE};
-use crate::light::Cells;
-use crate::light::PlaneTile;
-use crate::light::Planes;
-use crate::light::Survey;
+use crate::light::{Cells, PlaneTile, Planes, Survey};
 use crate::observer::Adapting;
 use crate::units::{Degrees, Nits};
 use crate::vision::Vision;
 
-impl Viewer {
+impl Eye {
     /// What the pupil responds to: the mean over the fovea around the gaze (pixels) and over the
     /// picture.
     pub fn adapting(&self, planes: &Planes, survey: &Survey, gaze: [f64; 2]) -> Adapting {

@@ -5,21 +5,21 @@ use crate::light::PlaneTile;
 use crate::vision::Vision;
 
 /// Catch and percept of one vision.
-pub(super) struct Seeing {
+pub(super) struct PerceptStage {
     catch: CatchForm,
     percept: PerceptForm,
 }
 
 /// Memory for one tile's p in single precision, its catches and its percept.
-pub(super) struct SeeingScratch<'a> {
+pub(super) struct PerceptScratch<'a> {
     pub p: &'a mut [[f32; TILE]; 3],
     pub lms: &'a mut [[f32; TILE]; 3],
     pub rgb: &'a mut [[f32; TILE]; 3],
 }
 
-impl Seeing {
+impl PerceptStage {
     pub fn new(vision: &Vision) -> Self {
-        Seeing { catch: vision.catch_form(), percept: vision.percept_form() }
+        PerceptStage { catch: vision.catch_form(), percept: vision.percept_form() }
     }
 
     /// The percept of a tile of light through unbleached fractions p: R, G, B.
@@ -27,9 +27,9 @@ impl Seeing {
         &self,
         light: PlaneTile<'_>,
         p: [&[f64]; 3],
-        scratch: SeeingScratch<'a>,
+        scratch: PerceptScratch<'a>,
     ) -> [&'a [f32]; 3] {
-        let (width, SeeingScratch { p: single, lms, rgb }) = (light.width(), scratch);
+        let (width, PerceptScratch { p: single, lms, rgb }) = (light.width(), scratch);
         kernel::single(p, single);
         kernel::catch(&self.catch, light, single, lms.each_mut().map(|lms| &mut lms[..width]));
         let lms = lms.each_ref().map(|lms| &lms[..width]);

@@ -1,4 +1,4 @@
-//! How the planes of a frame become cone illuminance under one pupil and gaze.
+//! The illuminance stage: planes of a frame to cone illuminance under one pupil and gaze.
 
 use crate::kernel::{self, BandSums, ROOM, TILE};
 use crate::light::PlaneTile;
@@ -7,18 +7,18 @@ use crate::observer::directional::MOST_LEVELS;
 use crate::units::Millimetres;
 use crate::vision::Vision;
 
-/// A vision in the shape that rows want, aimed by one frame's pupil and gaze.
-pub(super) struct Sight {
+/// Linear operator from a tile's planes to cone illuminance, aimed by one frame's pupil and gaze.
+pub(super) struct IlluminanceOperator {
     /// Bands -> the moments' planes of a tile, where frames hold bands.
     bands: Option<BandSums>,
-    weakening: Weakening,
+    weighting: PupilWeighting,
     planes_in: usize,
     /// Planes of which a tile needs single floats of its own.
     converted: usize,
 }
 
 /// How light is weakened by the place where it enters the pupil.
-enum Weakening {
+enum PupilWeighting {
     /// At every place alike: weights of the tile's planes for each cone.
     Alike([Vec<f32>; 3]),
     /// At every place alike, and the tile's planes from this one on are the illuminances but for
@@ -40,8 +40,8 @@ struct ByPlace {
     edge: f64,
 }
 
-impl Sight {
-    /// Sight that is still to be aimed.
+impl IlluminanceOperator {
+    /// An operator that is still to be aimed.
     pub fn new(vision: &Vision) -> Self {
         let (held, first, planes) =
             (vision.holds_bands(), vision.first_illuminance(), vision.plane_count());
@@ -57,12 +57,12 @@ impl Sight {
             sums
         });
         let of_planes = || vec![0.0; if held { rows } else { planes }];
-        let weakening = match mm_per_degree {
-            None if held => Weakening::Summed(first),
-            None => Weakening::Alike([(); 3].map(|()| of_planes())),
+        let weighting = match mm_per_degree {
+            None if held => PupilWeighting::Summed(first),
+            None => PupilWeighting::Alike([(); 3].map(|()| of_planes())),
             Some(mm_per_degree) => {
                 let levels = vision.observer.directional.levels();
-                Weakening::ByPlace(ByPlace {
+                PupilWeighting::ByPlace(ByPlace {
                     rates: levels.iter().map(|p| p * std::f64::consts::LN_10).collect(),
                     levels: [(); 3].map(|()| vec![of_planes(); levels.len()]),
                     gaze: [0.0; 2],
@@ -72,7 +72,7 @@ impl Sight {
                 })
             }
         };
-        Sight { bands, weakening, planes_in: planes, converted: 0 }
+        IlluminanceOperator { bands, weighting, planes_in: planes, converted: 0 }
     }
 
     /// Aims at a frame.
@@ -86,8 +86,8 @@ impl Sight {
     ) {
         self.planes_in = planes.count;
         self.converted = if let Samples::Half(_) = planes.samples { planes.count } else { 0 };
-        match (&mut self.weakening, &mut self.bands) {
-            (Weakening::Alike(weights), _) => {
+        match (&mut self.weighting, &mut self.bands) {
+            (PupilWeighting::Alike(weights), _) => {
                 for (weights, of_cone) in weights.iter_mut().zip(uniform_weights(vision, pupil)) {
                     weights
                         .iter_mut()
@@ -95,13 +95,13 @@ impl Sight {
                         .for_each(|(plane, weight)| *weight = of_cone(plane));
                 }
             }
-            (Weakening::Summed(first), Some(bands)) => {
+            (PupilWeighting::Summed(first), Some(bands)) => {
                 for (k, of_cone) in uniform_weights(vision, pupil).into_iter().enumerate() {
                     bands.set(*first + k, (0..planes.count).map(of_cone));
                 }
             }
-            (Weakening::Summed(_), None) => {}
-            (Weakening::ByPlace(by_place), _) => {
+            (PupilWeighting::Summed(_), None) => {}
+            (PupilWeighting::ByPlace(by_place), _) => {
                 by_place.aim(vision, pupil, gaze, pixels_per_degree)
             }
         }
@@ -141,12 +141,12 @@ impl Sight {
         [x, y]: [usize; 2],
         td: [&mut [f32]; 3],
     ) -> [f32; 3] {
-        match &self.weakening {
-            Weakening::Alike(weights) => kernel::illuminance(light, weights, td),
-            Weakening::Summed(first) => {
+        match &self.weighting {
+            PupilWeighting::Alike(weights) => kernel::illuminance(light, weights, td),
+            PupilWeighting::Summed(first) => {
                 kernel::floored([0, 1, 2].map(|k| light.plane(first + k)), td)
             }
-            Weakening::ByPlace(by_place) => by_place.illuminance(light, [x, y], td),
+            PupilWeighting::ByPlace(by_place) => by_place.illuminance(light, [x, y], td),
         }
     }
 }
@@ -225,7 +225,7 @@ mod tests {
 
     /// Every place of a picture against the scalar illuminance.
     fn agrees(vision: &Vision, planes: &Planes) {
-        let mut sight = Sight::new(vision);
+        let mut sight = IlluminanceOperator::new(vision);
         sight.aim(vision, planes, PUPIL, GAZE, PIXELS_PER_DEGREE);
         let scale = vision.observer.directional.mm_per_degree().unwrap_or(0.0) / PIXELS_PER_DEGREE;
         let (mut room, mut td) = ([0.0; kernel::ROOM], [[0.0; TILE]; 3]);
