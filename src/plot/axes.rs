@@ -1,7 +1,7 @@
-//! A panel: two axes, their ticks and labels, and where a value lies between them.
+//! A panel: two axes, their ticks and labels, and where a pair of values lies between them.
 
-use super::palette::{BLACK, FAINT};
-use super::sheet::{Anchor, Point, Sheet};
+use super::palette::{BLACK, FAINT, GREY};
+use super::sheet::{Anchor, Ink, Marker, Point, Sheet};
 
 /// One axis. Logarithmic axes are marked at whole powers of ten, `every` so many.
 #[derive(Clone, Copy, Debug)]
@@ -14,33 +14,58 @@ pub struct Axis<'a> {
     pub label: &'a str,
 }
 
-impl Axis<'_> {
+impl<'a> Axis<'a> {
+    /// Even steps, labelled at round values, `most` of them or fewer.
+    pub fn linear(from: f64, to: f64, most: f64, label: &'a str) -> Self {
+        let to = if to > from { to } else { from + 1.0 };
+        let decade = 10f64.powf(((to - from) / most).log10().floor());
+        let steps = [1.0, 2.0, 5.0, 10.0].map(|n| n * decade);
+        let every = steps.into_iter().find(|step| (to - from) / step <= most * (1.0 + 1e-9));
+        Axis { from, to, logarithmic: false, every: every.unwrap_or(10.0 * decade), label }
+    }
+
+    /// Powers of ten, labelled at whole ones, `most` of them or fewer.
+    pub fn logarithmic(from: f64, to: f64, most: f64, label: &'a str) -> Self {
+        let every = ((to / from).log10() / most).ceil().max(1.0);
+        Axis { from, to, logarithmic: true, every, label }
+    }
+
+    fn place(&self, value: f64) -> f64 {
+        if self.logarithmic { value.log10() } else { value }
+    }
+
     /// 0 at `from`, 1 at `to`; values beyond the ends stay at the ends.
     fn fraction(&self, value: f64) -> f64 {
-        let place = |v: f64| if self.logarithmic { v.log10() } else { v };
-        let fraction = (place(value) - place(self.from)) / (place(self.to) - place(self.from));
+        let [from, to, at] = [self.from, self.to, value].map(|v| self.place(v));
+        let fraction = (at - from) / (to - from);
         if fraction.is_nan() { 1.0 } else { fraction.clamp(0.0, 1.0) }
+    }
+
+    /// The value at a fraction of the way from `from` to `to`.
+    pub fn value(&self, fraction: f64) -> f64 {
+        let [from, to] = [self.from, self.to].map(|v| self.place(v));
+        let place = from + fraction * (to - from);
+        if self.logarithmic { 10f64.powf(place) } else { place }
+    }
+
+    /// Whether a value lies on the axis, but for rounding.
+    pub fn holds(&self, value: f64) -> bool {
+        let [from, to, at] = [self.from, self.to, value].map(|v| self.place(v));
+        let slack = 1e-6 * (to - from);
+        (from - slack..=to + slack).contains(&at)
     }
 
     /// The labelled values with their labels.
     fn ticks(&self) -> Vec<(f64, String)> {
-        let (from, to) = if self.logarithmic {
-            (self.from.log10(), self.to.log10())
-        } else {
-            (self.from, self.to)
-        };
+        let [from, to] = [self.from, self.to].map(|v| self.place(v));
         let first = (from / self.every - 1e-9).ceil() as i64;
         let last = (to / self.every + 1e-9).floor() as i64;
         let values = (first..=last).map(|i| i as f64 * self.every);
-        values
-            .map(|v| {
-                if self.logarithmic {
-                    (10f64.powf(v), power(v))
-                } else {
-                    (v, format!("{}", (v * 1e9).round() / 1e9))
-                }
-            })
-            .collect()
+        let tick = |v: f64| match self.logarithmic {
+            true => (10f64.powf(v), power(v)),
+            false => (v, format!("{}", (v * 1e9).round() / 1e9)),
+        };
+        values.map(tick).collect()
     }
 }
 
@@ -78,10 +103,8 @@ const LABEL_TYPE: u32 = 16;
 impl Panel<'_> {
     /// Where a pair of values lies on the sheet.
     pub fn at(&self, x: f64, y: f64) -> Point {
-        (
-            self.left + self.width * self.x.fraction(x),
-            self.top + self.height * (1.0 - self.y.fraction(y)),
-        )
+        let down = 1.0 - self.y.fraction(y);
+        (self.left + self.width * self.x.fraction(x), self.top + self.height * down)
     }
 
     pub fn right(&self) -> f64 {
@@ -92,38 +115,199 @@ impl Panel<'_> {
         self.top + self.height
     }
 
-    /// Draw grid, frame, ticks and labels.
+    /// Draws grid, frame, ticks and labels.
     pub fn frame(&self, sheet: &mut Sheet) {
+        self.framed(sheet, [true, true]);
+    }
+
+    /// Draws grid and frame, with ticks and labels of x and of y where asked for.
+    pub fn framed(&self, sheet: &mut Sheet, labelled: [bool; 2]) {
+        self.ticks_of_x(sheet, labelled[0]);
+        self.ticks_of_y(sheet, labelled[1]);
         let (right, bottom) = (self.right(), self.bottom());
-        for (value, label) in self.x.ticks() {
-            let x = self.at(value, self.y.from).0;
-            sheet.line((x, self.top), (x, bottom), FAINT, 0.8, "");
-            sheet.line((x, bottom), (x, bottom + 5.0), BLACK, 1.0, "");
-            sheet.text((x, bottom + 20.0), &label, TICK_TYPE, Anchor::Middle, BLACK);
-        }
-        for (value, label) in self.y.ticks() {
-            let y = self.at(self.x.from, value).1;
-            sheet.line((self.left, y), (right, y), FAINT, 0.8, "");
-            sheet.line((self.left - 5.0, y), (self.left, y), BLACK, 1.0, "");
-            sheet.text((self.left - 8.0, y + 5.0), &label, TICK_TYPE, Anchor::End, BLACK);
-        }
         let corners =
             [(self.left, self.top), (right, self.top), (right, bottom), (self.left, bottom)];
         for i in 0..4 {
             sheet.line(corners[i], corners[(i + 1) % 4], BLACK, 1.0, "");
         }
-        sheet.text(
-            (0.5 * (self.left + right), bottom + 42.0),
-            self.x.label,
-            LABEL_TYPE,
-            Anchor::Middle,
-            BLACK,
-        );
-        sheet.upward(
-            (self.left - 50.0, 0.5 * (self.top + bottom)),
-            self.y.label,
-            LABEL_TYPE,
-            BLACK,
-        );
+    }
+
+    fn ticks_of_x(&self, sheet: &mut Sheet, labelled: bool) {
+        let bottom = self.bottom();
+        for (value, label) in self.x.ticks() {
+            let x = self.at(value, self.y.from).0;
+            sheet.line((x, self.top), (x, bottom), FAINT, 0.8, "");
+            sheet.line((x, bottom), (x, bottom + 5.0), BLACK, 1.0, "");
+            if labelled {
+                sheet.text((x, bottom + 20.0), &label, TICK_TYPE, Anchor::Middle, BLACK);
+            }
+        }
+        if labelled && !self.x.label.is_empty() {
+            let at = (self.left + 0.5 * self.width, bottom + 42.0);
+            sheet.text(at, self.x.label, LABEL_TYPE, Anchor::Middle, BLACK);
+        }
+    }
+
+    fn ticks_of_y(&self, sheet: &mut Sheet, labelled: bool) {
+        for (value, label) in self.y.ticks() {
+            let y = self.at(self.x.from, value).1;
+            sheet.line((self.left, y), (self.right(), y), FAINT, 0.8, "");
+            sheet.line((self.left - 5.0, y), (self.left, y), BLACK, 1.0, "");
+            if labelled {
+                sheet.text((self.left - 8.0, y + 5.0), &label, TICK_TYPE, Anchor::End, BLACK);
+            }
+        }
+        if labelled && !self.y.label.is_empty() {
+            let at = (self.left - 50.0, self.top + 0.5 * self.height);
+            sheet.upward(at, self.y.label, LABEL_TYPE, BLACK);
+        }
+    }
+
+    /// Draws a curve through pairs of values, in pieces where it leaves the panel or has no value;
+    /// a piece of one pair is a dot.
+    pub fn curve(
+        &self,
+        sheet: &mut Sheet,
+        values: &[(f64, f64)],
+        ink: Ink,
+        width: f64,
+        dash: &str,
+    ) {
+        for piece in values.split(|&(x, y)| !self.x.holds(x) || !self.y.holds(y)) {
+            let all: Vec<Point> = piece.iter().map(|&(x, y)| self.at(x, y)).collect();
+            let points = thinned(&all);
+            match points[..] {
+                [] => {}
+                [alone] => sheet.mark(alone, Marker::Disc, 1.4 * width, ink),
+                _ => sheet.polyline(&points, ink, width, dash),
+            }
+        }
+    }
+
+    /// Names curves beside the panel's right edge, each at the height of a value where there is
+    /// room, apart where there is not.
+    pub fn name_ends(&self, sheet: &mut Sheet, names: &[(f64, &str, Ink)], size: u32) {
+        let wanted: Vec<f64> = names.iter().map(|(y, ..)| self.at(self.x.to, *y).1).collect();
+        let room = [self.top, self.bottom()];
+        let placed = apart(&wanted, 1.05 * f64::from(size), room);
+        for ((wanted, placed), (_, name, ink)) in wanted.iter().zip(placed).zip(names) {
+            let (edge, words) = (self.right() + 1.0, self.right() + 12.0);
+            sheet.line((edge, *wanted), (words - 2.0, placed), GREY, 0.7, "");
+            let at = (words, placed + 0.35 * f64::from(size));
+            sheet.text(at, name, size, Anchor::Start, *ink);
+        }
+    }
+}
+
+/// How far a line may leave the points that it is drawn without, units.
+const THIN: f64 = 0.05;
+
+/// The points without which a line would be another: those left out lie within [`THIN`] of it
+/// (Ramer 1972; Douglas & Peucker 1973).
+fn thinned(points: &[Point]) -> Vec<Point> {
+    let [first, .., last] = points else { return points.to_vec() };
+    let (along, down) = (last.0 - first.0, last.1 - first.1);
+    let length = along.hypot(down);
+    let away = |p: &Point| match length > 0.0 {
+        true => ((p.0 - first.0) * down - (p.1 - first.1) * along).abs() / length,
+        false => (p.0 - first.0).hypot(p.1 - first.1),
+    };
+    let farthest =
+        (1..points.len() - 1).max_by(|a, b| away(&points[*a]).total_cmp(&away(&points[*b])));
+    match farthest.filter(|i| away(&points[*i]) > THIN) {
+        None => vec![*first, *last],
+        Some(i) => {
+            let mut kept = thinned(&points[..=i]);
+            kept.pop();
+            kept.extend(thinned(&points[i..]));
+            kept
+        }
+    }
+}
+
+/// Heights as near to the wanted ones as they can be `pitch` apart, in the same order, inside
+/// `room` while all of them fit there.
+pub fn apart(wanted: &[f64], pitch: f64, room: [f64; 2]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..wanted.len()).collect();
+    order.sort_by(|&a, &b| wanted[a].total_cmp(&wanted[b]));
+    // Groups of neighbours that touch: how many, and the sum of where each would have the first.
+    let mut groups: Vec<(usize, f64)> = Vec::new();
+    let first = |&(count, sum): &(usize, f64)| {
+        let most = room[1] - pitch * (count as f64 - 1.0);
+        (sum / count as f64).min(most).max(room[0])
+    };
+    for &i in &order {
+        let mut group = (1, wanted[i]);
+        while let Some(last) = groups.last().copied() {
+            if first(&last) + pitch * last.0 as f64 <= first(&group) {
+                break;
+            }
+            let shift = pitch * last.0 as f64 * group.0 as f64;
+            group = (last.0 + group.0, last.1 + group.1 - shift);
+            groups.pop();
+        }
+        groups.push(group);
+    }
+    let places = groups.iter().flat_map(|group| {
+        let first = first(group);
+        (0..group.0).map(move |i| first + pitch * i as f64)
+    });
+    let mut heights = vec![0.0; wanted.len()];
+    order.iter().zip(places).for_each(|(&i, place)| heights[i] = place);
+    heights
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_stand_at_their_curves_where_there_is_room_and_apart_where_there_is_none() {
+        assert_eq!(apart(&[10.0, 50.0], 12.0, [0.0, 100.0]), [10.0, 50.0]);
+        assert_eq!(apart(&[50.0, 50.0, 50.0], 10.0, [0.0, 100.0]), [40.0, 50.0, 60.0]);
+        assert_eq!(apart(&[99.0, 100.0], 10.0, [0.0, 100.0]), [90.0, 100.0]);
+        assert_eq!(apart(&[3.0, 1.0, 2.0], 10.0, [0.0, 100.0]), [20.0, 0.0, 10.0]);
+        let many = apart(&[7.0; 30], 10.0, [0.0, 100.0]);
+        assert!(many.windows(2).all(|pair| pair[1] - pair[0] == 10.0), "{many:?}");
+    }
+
+    #[test]
+    fn round_values_are_labelled_and_no_more_than_asked_for() {
+        let labels = |axis: Axis| axis.ticks().into_iter().map(|tick| tick.1).collect::<Vec<_>>();
+        assert_eq!(labels(Axis::linear(0.0, 4.0, 4.0, "")), ["0", "1", "2", "3", "4"]);
+        assert_eq!(labels(Axis::linear(0.0, 630.0, 4.0, "")), ["0", "200", "400", "600"]);
+        assert_eq!(labels(Axis::linear(0.2, 0.75, 4.0, "")), ["0.2", "0.4", "0.6"]);
+        assert_eq!(labels(Axis::logarithmic(1e-3, 1e3, 4.0, "")), ["10⁻²", "1", "10²"]);
+        assert_eq!(labels(Axis::logarithmic(0.03, 20.0, 5.0, "")), ["10⁻¹", "1", "10"]);
+    }
+
+    #[test]
+    fn a_thinned_line_keeps_its_corners_and_stays_within_a_twentieth_of_a_unit() {
+        let straight: Vec<Point> = (0..50).map(|i| (f64::from(i), 2.0 * f64::from(i))).collect();
+        assert_eq!(thinned(&straight), [straight[0], straight[49]]);
+        let curve: Vec<Point> =
+            (0..=400).map(|i| (f64::from(i), 200.0 * (-f64::from(i) / 30.0).exp())).collect();
+        let kept = thinned(&curve);
+        assert!(kept.len() < 60, "{} points", kept.len());
+        for &(x, y) in &curve {
+            let i = kept.partition_point(|p| p.0 < x).max(1);
+            let (a, b) = (kept[i - 1], kept[i]);
+            let on_line = a.1 + (x - a.0) / (b.0 - a.0) * (b.1 - a.1);
+            let slope = (b.1 - a.1) / (b.0 - a.0);
+            assert!((y - on_line).abs() / 1f64.hypot(slope) <= THIN + 1e-9, "{x}");
+        }
+    }
+
+    #[test]
+    fn a_fraction_of_an_axis_and_its_value_are_each_others_inverse() {
+        for axis in [Axis::linear(-2.0, 7.0, 5.0, ""), Axis::logarithmic(1e-3, 50.0, 5.0, "")] {
+            for fraction in [0.0, 0.3, 1.0] {
+                approx::assert_relative_eq!(
+                    axis.fraction(axis.value(fraction)),
+                    fraction,
+                    epsilon = 1e-12
+                );
+            }
+        }
     }
 }

@@ -33,6 +33,17 @@ pub fn width(words: &str, size: f64, bold: bool) -> f64 {
     advances.sum::<f64>() * size / f64::from(face.units_per_em())
 }
 
+/// Words as they are where they have room, else cut and with an ellipsis.
+pub fn fitted(words: &str, size: f64, room: f64) -> String {
+    if width(words, size, false) <= room {
+        return words.to_owned();
+    }
+    let chars: Vec<char> = words.chars().collect();
+    let cut = |n: usize| chars[..n].iter().chain(&['…']).collect::<String>();
+    let fits = |words: &String| width(words, size, false) <= room;
+    (0..chars.len()).rev().map(cut).find(fits).unwrap_or_default()
+}
+
 /// Outlines of words whose baseline begins at (0, 0), `size` units to the em, y downward.
 pub fn outlines(words: &str, size: f64, bold: bool) -> Vec<Command> {
     let mut pen = Pen { path: Vec::new(), x: 0.0, scale: 0.0 };
@@ -98,6 +109,15 @@ mod tests {
                 signs.chars().filter(|c| face.glyph_index(*c).is_none()).collect();
             assert_eq!(missing, "");
         }
+    }
+
+    #[test]
+    fn words_without_room_end_in_an_ellipsis() {
+        assert_eq!(fitted("standard", 16.0, 100.0), "standard");
+        let cut = fitted("smith-pokorny-van-norren", 16.0, 100.0);
+        assert!(cut.ends_with('…') && cut.starts_with("smith-po"), "{cut}");
+        assert!(width(&cut, 16.0, false) <= 100.0 && width(&cut, 16.0, false) > 80.0);
+        assert_eq!(fitted("no room", 16.0, 1.0), "");
     }
 
     #[test]

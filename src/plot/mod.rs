@@ -4,11 +4,15 @@
 //! figure is for a page 16 cm wide: on a sheet 1000 units across, type of 16 units is then 7 points high.
 
 pub mod axes;
+pub mod course;
+pub mod family;
 pub mod font;
+pub mod gallery;
+pub mod moment;
 pub mod palette;
 pub mod raster;
-mod sheet;
+pub mod sheet;
 mod svg;
 
 pub use axes::{Axis, Panel};
-pub use sheet::{Anchor, Ink, Marker, Point, Sheet};
+pub use sheet::{Anchor, Ink, Marker, Sheet};

@@ -276,7 +276,8 @@ fn finish(
     begun: Instant,
     watch: &dyn Watch,
 ) -> Result<Outcome> {
-    plot::write(&folder.join("probes.svg"), &record::read_back(&folder.join("probes.csv"))?)?;
+    let history = record::read_back(&folder.join("probes.csv"))?;
+    plot::write(&folder.join("probes.svg"), &history, &config.pigments())?;
     let mut warnings = scene.footage.header().notes.clone();
     for warning in eye.counters.warnings() {
         watch.warn(&warning);

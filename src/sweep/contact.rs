@@ -1,30 +1,46 @@
-//! `contact.png`: the display pictures of all cells on one sheet, durations across, cases down.
-//!
-//! A sheet is as wide as a page of print needs, whatever it holds. One case alone is laid out in
-//! several rows of larger pictures, each with its duration below.
+//! `contact.png`: the display pictures of all cells, durations across and cases down; with two varied
+//! keys a grid for each duration, the first key's values down and the second's across. More rows
+//! than a page holds go on to `contact.2.png` and so forth.
 
 use std::path::Path;
 
-use crate::config::{Case, Sweep};
+use crate::config::Sweep;
 use crate::error::Result;
-use crate::plot::palette::BLACK;
-use crate::plot::raster::Canvas;
-use crate::plot::{Anchor, Sheet};
+use crate::plot::gallery::{self, Block, MOST_ACROSS, Picture, Row};
 use crate::sweep::folder::Left;
+use crate::sweep::plot::{plain, short};
 
-/// Width of a sheet, pixels: two for each unit of type.
-const WIDTH: usize = 2400;
-/// Between pictures, and around the sheet, pixels.
-const GAP: usize = 16;
-/// More pictures than this side by side could not be told apart on a page.
-const MOST_ACROSS: usize = 12;
 /// Cases beyond these are in the table only.
-pub const MOST_CASES: usize = 100;
+pub const MOST_CASES: usize = 400;
 
-/// How many pictures stand side by side. A few of one case are laid out in even rows.
+/// What a sweep's pictures are laid out by.
+struct Plan {
+    /// How many pictures stand side by side.
+    columns: usize,
+    /// Whether the second of two keys runs across.
+    is_grid: bool,
+}
+
+impl Plan {
+    fn new(sweep: &Sweep) -> Self {
+        let (cases, durations) = (sweep.cases.len(), sweep.durations.len());
+        let across = second_values(sweep);
+        let is_grid = sweep.keys.len() == 2 && (2..=MOST_ACROSS).contains(&across);
+        Plan { columns: if is_grid { across } else { columns(cases, durations) }, is_grid }
+    }
+}
+
+/// How many values the last key has: the last list runs fastest.
+fn second_values(sweep: &Sweep) -> usize {
+    let first = |case: &crate::config::Case| case.values.first().cloned();
+    let begin = sweep.cases.first().map(first);
+    sweep.cases.iter().take_while(|case| Some(first(case)) == begin).count()
+}
+
+/// How many durations of a case stand side by side. A few of one case are laid out in even rows.
 fn columns(cases: usize, durations: usize) -> usize {
     match durations {
-        0..=4 => durations,
+        0..=4 => durations.max(1),
         5..=16 if cases == 1 => {
             let square = (durations as f64).sqrt().ceil() as usize;
             let even = (square..=2 * square).find(|columns| durations.is_multiple_of(*columns));
@@ -36,163 +52,83 @@ fn columns(cases: usize, durations: usize) -> usize {
 
 /// The square that a picture of a sweep's sheet must fit into, pixels.
 pub fn side(sweep: &Sweep) -> usize {
-    let columns = columns(sweep.cases.len(), sweep.durations.len());
-    (WIDTH - (columns + 1) * GAP) / columns
+    let columns = Plan::new(sweep).columns;
+    let cells = sweep.cases.len().min(MOST_CASES) * sweep.durations.len();
+    gallery::side(columns, cells.div_ceil(columns), !sweep.keys.is_empty())
 }
 
-/// Where everything stands on a sheet, pixels.
-struct Layout {
-    columns: usize,
-    /// Rows of pictures that one case takes.
-    rows: usize,
-    /// Width of a column.
-    across: usize,
-    width: usize,
-    /// Height of a line of words.
-    line: usize,
-    /// Durations stand below each picture instead of above each column.
-    below: bool,
-    /// Cases have a caption.
-    captions: bool,
-}
-
-impl Layout {
-    fn new(sweep: &Sweep, side: usize, left: &[Left]) -> Self {
-        let columns = columns(sweep.cases.len(), sweep.durations.len());
-        let rows = sweep.durations.len().div_ceil(columns);
-        let across = left
-            .iter()
-            .map(|case| case.done.size[0] * enlarged(case, side))
-            .max()
-            .unwrap_or(1)
-            .max(120);
-        let width = columns * across + (columns + 1) * GAP;
-        let captions = !sweep.keys.is_empty();
-        let line = (width / 44).clamp(26, 60) & !1;
-        Layout { columns, rows, across, width, line, below: rows > 1 || !captions, captions }
-    }
-
-    /// Left edge of a column.
-    fn x(&self, column: usize) -> usize {
-        GAP + column * (self.across + GAP)
-    }
-
-    /// From the top of one row of pictures to the next.
-    fn pitch(&self, height: usize) -> usize {
-        height + if self.below { self.line + GAP / 2 } else { GAP }
-    }
-
-    /// Height of type, units.
-    fn size(&self) -> u32 {
-        (self.line as f64 / 2.0 / 1.5).round() as u32
-    }
-}
-
-/// How many times each pixel of a small picture is repeated.
-fn enlarged(case: &Left, side: usize) -> usize {
-    (side / case.done.size[0].max(case.done.size[1])).max(1)
-}
-
-/// Writes the sheet.
+/// Writes the pages: `path`, then `contact.2.png` and so forth beside it.
+///
+/// # Errors
+/// A page that cannot be written.
 pub fn write(path: &Path, sweep: &Sweep, left: &[Left]) -> Result<()> {
-    let (shown, side) = (&left[..left.len().min(MOST_CASES)], side(sweep));
-    let layout = Layout::new(sweep, side, shown);
-    let (mut words, mut places, mut y) = (Words(Vec::new()), Vec::new(), GAP);
-    if !layout.below {
-        sweep
-            .durations
-            .iter()
-            .enumerate()
-            .for_each(|(i, &duration)| words.centred(&layout, i, y, duration));
-        y += layout.line;
+    let (side, shown) = (side(sweep), &left[..left.len().min(MOST_CASES)]);
+    for (i, page) in gallery::pages(blocks(sweep, shown)).iter().enumerate() {
+        let name = if i == 0 { "png".to_owned() } else { format!("{}.png", i + 1) };
+        gallery::drawn(page, side).write(&path.with_extension(name))?;
     }
-    for (case, left) in sweep.cases.iter().zip(shown) {
-        if layout.captions {
-            words.caption(&layout, y, &caption(&sweep.keys, case));
-            y += layout.line;
-        }
-        let height = left.done.size[1] * enlarged(left, side);
-        for (cell, &duration) in sweep.durations.iter().enumerate() {
-            let (row, column) = (cell / layout.columns, cell % layout.columns);
-            let top = y + row * layout.pitch(height);
-            places.push((left, cell, [layout.x(column), top]));
-            if layout.below {
-                words.centred(&layout, column, top + height, duration);
-            }
-        }
-        y += layout.rows * layout.pitch(height);
-    }
-    if shown.len() < left.len() {
-        words.caption(&layout, y, &format!("the first {} of {} cases", shown.len(), left.len()));
-        y += layout.line;
-    }
-    let height = (y + GAP / 2).next_multiple_of(2);
-    let mut sheet = words.drawn(&layout, height);
-    for (left, cell, at) in places {
-        paste(&mut sheet, left, enlarged(left, side), layout.across, cell, at);
-    }
-    sheet.write(path)
+    Ok(())
 }
 
-/// Words of a sheet: where, what, whether centred.
-struct Words(Vec<([f64; 2], String, bool)>);
-
-impl Words {
-    fn centred(&mut self, layout: &Layout, column: usize, y: usize, duration: f64) {
-        let x = layout.x(column) as f64 + 0.5 * layout.across as f64;
-        self.0.push(([x, y as f64], seconds(duration), true));
+fn blocks<'a>(sweep: &Sweep, shown: &'a [Left]) -> Vec<Block<'a>> {
+    let plan = Plan::new(sweep);
+    let mut blocks = match plan.is_grid {
+        true => grids(sweep, shown, plan.columns),
+        false => vec![list(sweep, shown, &plan)],
+    };
+    if let Some(last) = blocks.last_mut().filter(|_| shown.len() < sweep.cases.len()) {
+        let label = format!("the first {} of {} cases", shown.len(), sweep.cases.len());
+        last.rows.push(Row { label, pictures: Vec::new(), captions: Vec::new() });
     }
-
-    /// A line from the left edge; what has no room is cut off.
-    fn caption(&mut self, layout: &Layout, y: usize, words: &str) {
-        let room =
-            (1.8 * (layout.width - 2 * GAP) as f64 / 2.0 / f64::from(layout.size())) as usize;
-        let cut = if words.chars().count() > room {
-            words.chars().take(room.saturating_sub(1)).chain(['…']).collect()
-        } else {
-            words.to_owned()
-        };
-        self.0.push(([GAP as f64, y as f64], cut, false));
-    }
-
-    /// A white picture with these words, two pixels to the unit.
-    fn drawn(&self, layout: &Layout, height: usize) -> Canvas {
-        let mut sheet = Sheet::new(layout.width as f64 / 2.0, height as f64 / 2.0);
-        for ([x, y], words, centred) in &self.0 {
-            let at = (x / 2.0, (y + 0.72 * layout.line as f64) / 2.0);
-            let anchor = if *centred { Anchor::Middle } else { Anchor::Start };
-            sheet.text(at, words, layout.size(), anchor, BLACK);
-        }
-        Canvas::of(&sheet, 2.0)
-    }
+    blocks
 }
 
-/// Puts a cell's picture into its column of the sheet.
-fn paste(
-    sheet: &mut Canvas,
-    left: &Left,
-    times: usize,
-    across: usize,
-    cell: usize,
-    [x, y]: [usize; 2],
-) {
+/// A case's picture after one of its durations.
+fn picture(left: &Left, duration: usize) -> Picture<'_> {
     let [w, h] = left.done.size;
-    let rows = left.pictures.chunks_exact(3 * w).skip(cell * h).take(h);
-    let wide = rows
-        .map(|row| row.chunks_exact(3).flat_map(|pixel| pixel.repeat(times)).collect::<Vec<u8>>());
-    let picture: Vec<u8> = wide.flat_map(|row| row.repeat(times)).collect();
-    sheet.paste([x + (across - w * times) / 2, y], w * times, &picture);
+    let bytes = 3 * w * h;
+    Picture {
+        size: [w, h],
+        rgb: left.pictures.get(bytes * duration..bytes * (duration + 1)).unwrap_or(&[]),
+    }
 }
 
-/// What sets a case apart: the last words of its keys with their values.
-pub fn caption(keys: &[String], case: &Case) -> String {
-    let short = |key: &str| key.rsplit('.').next().unwrap_or(key).to_owned();
-    let pairs: Vec<String> = keys
-        .iter()
-        .zip(&case.values)
-        .map(|(key, value)| format!("{} = {value}", short(key)))
-        .collect();
-    format!("{}:  {}", case.number, pairs.join(",  "))
+/// A grid for each duration, of rows that share the first key's value.
+fn grids<'a>(sweep: &Sweep, shown: &'a [Left], columns: usize) -> Vec<Block<'a>> {
+    let value = |case: usize, key: usize| plain(&sweep.cases[case].values[key..=key]);
+    let [down, across] = [0, 1].map(|key| short(&sweep.keys[key..=key]));
+    let block = |(duration, &length): (usize, &f64)| {
+        let row = |(i, cases): (usize, &'a [Left])| Row {
+            label: value(i * columns, 0),
+            pictures: cases.iter().map(|left| picture(left, duration)).collect(),
+            captions: Vec::new(),
+        };
+        Block {
+            title: format!("after {}: {down} down, {across} across", seconds(length)),
+            headings: (0..columns.min(shown.len())).map(|case| value(case, 1)).collect(),
+            rows: shown.chunks(columns).enumerate().map(row).collect(),
+        }
+    };
+    sweep.durations.iter().enumerate().map(block).collect()
+}
+
+/// All cases one below the other, each with its durations across; in several rows where they are
+/// many.
+fn list<'a>(sweep: &Sweep, shown: &'a [Left], plan: &Plan) -> Block<'a> {
+    let durations: Vec<usize> = (0..sweep.durations.len()).collect();
+    let words = |duration: &usize| seconds(sweep.durations[*duration]);
+    let below = sweep.keys.is_empty() || durations.len() > plan.columns;
+    let mut rows = Vec::new();
+    for (case, left) in sweep.cases.iter().zip(shown) {
+        for (i, part) in durations.chunks(plan.columns).enumerate() {
+            let label = if i == 0 { plain(&case.values) } else { String::new() };
+            let pictures = part.iter().map(|duration| picture(left, *duration)).collect();
+            let captions = if below { part.iter().map(words).collect() } else { Vec::new() };
+            rows.push(Row { label, pictures, captions });
+        }
+    }
+    let headings = if below { Vec::new() } else { durations.iter().map(words).collect() };
+    Block { title: short(&sweep.keys), headings, rows }
 }
 
 /// A duration in three digits.

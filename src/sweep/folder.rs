@@ -242,6 +242,7 @@ fn is_ours(name: &str) -> bool {
         [SETTINGS, TABLE, CONTACT, PLOT, page::REPORT, "cells.csv", "cells.png", "case.json"];
     let begins = |head: &str, tail: &str| name.starts_with(head) && name.ends_with(tail);
     fixed.contains(&name)
+        || begins("contact.", ".png")
         || begins("seen.", ".exr")
         || begins("display.", ".png")
         || is_temporary(name)

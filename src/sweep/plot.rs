@@ -1,169 +1,226 @@
-//! `sweep.svg`: bleached fraction and chromaticity of every probe against duration, a row of two
-//! panels for each case. Dashed: the steady state under the same light.
+//! `sweep.svg`: how the cases of a sweep fare with time, as families of curves ([`family`]).
 
 use std::path::Path;
 
 use crate::config::Sweep;
 use crate::error::Result;
 use crate::frames::atomic;
-use crate::plot::palette::{BLACK, BLUE, GREEN, GREY, PURPLE, VERMILION};
-use crate::plot::{Anchor, Ink, Marker, Point, Sheet};
-use crate::plot::{Axis, Panel};
-use crate::run::plot::{inside, note_breaks};
-use crate::sweep::contact::{self, MOST_CASES};
-use crate::sweep::folder::{Left, Steady};
-
-const WIDTH: f64 = 1200.0;
-/// From one row of panels to the next.
-const PITCH: f64 = 276.0;
-/// Above the first row.
-const HEAD: f64 = 74.0;
-
-/// One probe of one case.
-struct Course {
-    title: String,
-    /// Duration, bleached L, M, S, chromaticity x, y.
-    points: Vec<(f64, [f64; 5])>,
-    steady: [f64; 5],
-}
-
-/// Name, colour and mark of each curve; the first three share a panel, and so do the last two.
-const CURVES: [(&str, Ink, Marker); 5] = [
-    ("L", VERMILION, Marker::Disc),
-    ("M", GREEN, Marker::Square),
-    ("S", BLUE, Marker::Triangle),
-    ("x", BLACK, Marker::Disc),
-    ("y", PURPLE, Marker::Square),
-];
+use crate::plot::Ink;
+use crate::plot::axes::power;
+use crate::plot::family::{self, Family, Member, Scale};
+use crate::plot::moment::Moment;
+use crate::plot::palette::{APART, ordered};
+use crate::sweep::folder::Left;
 
 /// Draws the plot of a sweep.
+///
+/// # Errors
+/// A file that cannot be written.
 pub fn write(path: &Path, sweep: &Sweep, left: &[Left]) -> Result<()> {
-    let shown = sweep.cases.iter().zip(left).take(MOST_CASES);
-    let courses: Vec<Course> = shown
-        .flat_map(|(case, left)| {
-            courses(&contact::caption(&sweep.keys, case), sweep.keys.is_empty(), left)
+    let values: Vec<Vec<String>> = sweep.cases.iter().map(|case| case.values.clone()).collect();
+    let (looks, scale) = looks(&sweep.keys, &values);
+    let mut families: Vec<Family> = Vec::new();
+    for ((case, left), (ink, dash)) in sweep.cases.iter().zip(left).zip(looks) {
+        for (probe, (name, rows)) in rows(&left.rows).into_iter().enumerate() {
+            if families.len() <= probe {
+                families.push(Family { name, members: Vec::new() });
+            }
+            let steady = left.done.steady.get(probe).map(|steady| {
+                let ([l, m, s], [x, y]) = (steady.bleached, steady.chromaticity);
+                [l, m, s, x, y]
+            });
+            let (name, kinetics) = (plain(&case.values), case.config.pigments());
+            families[probe].members.push(Member { name, ink, dash, rows, kinetics, steady });
+        }
+    }
+    atomic::write_text(path, &family::drawn(&families, &scale).svg())
+}
+
+/// Values as a person writes them, without the quotes of TOML.
+pub fn plain(values: &[String]) -> String {
+    let bare = |value: &String| value.trim_matches('"').to_owned();
+    values.iter().map(bare).collect::<Vec<_>>().join(", ")
+}
+
+/// The last words of keys.
+pub fn short(keys: &[String]) -> String {
+    let last = |key: &String| key.rsplit('.').next().unwrap_or(key).to_owned();
+    keys.iter().map(last).collect::<Vec<_>>().join(", ")
+}
+
+/// The rows of each probe of a case's table, in the order of its probes. Columns are found by name,
+/// counted from the right, because values to the left may hold commas.
+fn rows(table: &str) -> Vec<(String, Vec<Moment>)> {
+    let mut lines = table.lines();
+    let names: Vec<&str> = lines.next().unwrap_or("").rsplit(',').collect();
+    let column = |name: &str| names.iter().position(|other| *other == name);
+    let mut probes: Vec<(String, Vec<Moment>)> = Vec::new();
+    for line in lines {
+        let fields: Vec<&str> = line.rsplit(',').collect();
+        let field = |name: &str| fields.get(column(name)?).copied();
+        let number = |name: &str| field(name).and_then(|field| field.parse().ok());
+        let three = |names: [&str; 3]| names.map(|name| number(name).unwrap_or(f64::NAN));
+        let Some(time) = line.split(',').nth(1).and_then(|field| field.parse().ok()) else {
+            continue;
+        };
+        let name = field("probe").unwrap_or("").to_owned();
+        let [light, p] = [three(["I_L", "I_M", "I_S"]), three(["p_L", "p_M", "p_S"])];
+        let moment = Moment { time, light, p, xyz: three(["X", "Y", "Z"]) };
+        match probes.iter_mut().find(|(other, _)| *other == name) {
+            Some((_, rows)) => rows.push(moment),
+            None => probes.push((name, vec![moment])),
+        }
+    }
+    probes
+}
+
+/// Colour and dashes of each case, and what they mean. Colours go with the first key whose values
+/// are numbers, dashes with the others; without one, colours go with the case.
+fn looks(keys: &[String], values: &[Vec<String>]) -> (Vec<(Ink, usize)>, Scale) {
+    let named = values.len() <= family::MOST_NAMED;
+    let numbers = |key: usize| -> Option<Vec<f64>> {
+        let all: Option<Vec<f64>> = values.iter().map(|v| v.get(key)?.parse().ok()).collect();
+        all.filter(|all| all.iter().any(|v| *v != all[0]))
+    };
+    let Some((key, along)) = (0..keys.len()).find_map(|key| Some((key, numbers(key)?))) else {
+        let (places, labels) = spaced(&(0..values.len()).map(|i| i as f64).collect::<Vec<_>>());
+        let few = values.len() <= APART.len();
+        let ink = |(i, place): (usize, f64)| (if few { APART[i] } else { ordered(place) }, 0);
+        let name = if named { short(keys) } else { "case".to_owned() };
+        let looks = places.into_iter().enumerate().map(ink).collect();
+        return (looks, Scale { name, labels, dashes: Vec::new() });
+    };
+    let (dash, dashes) = numbered(values.iter().map(|values| {
+        let others = values.iter().enumerate().filter(|(i, _)| *i != key);
+        plain(&others.map(|(_, value)| value.clone()).collect::<Vec<_>>())
+    }));
+    let (places, labels) = spaced(&along);
+    let name = short(if named { keys } else { &keys[key..=key] });
+    let looks = places.into_iter().map(ordered).zip(dash).collect();
+    (looks, Scale { name, labels, dashes })
+}
+
+/// The number of each of many words in the order of their first appearance, and that order.
+fn numbered(words: impl Iterator<Item = String>) -> (Vec<usize>, Vec<String>) {
+    let mut order: Vec<String> = Vec::new();
+    let number = |word: String| {
+        order.iter().position(|seen| *seen == word).unwrap_or_else(|| {
+            order.push(word);
+            order.len() - 1
         })
-        .collect();
-    let mut sheet = Sheet::new(WIDTH, HEAD + PITCH * courses.len() as f64);
-    legend(&mut sheet);
-    for (row, course) in courses.iter().enumerate() {
-        draw(&mut sheet, course, sweep, HEAD + PITCH * row as f64);
-    }
-    atomic::write_text(path, &sheet.svg())
-}
-
-/// The probes of a case, in the order of its rows.
-fn courses(caption: &str, alone: bool, left: &Left) -> Vec<Course> {
-    let probes = left.done.steady.len();
-    let rows: Vec<(String, f64, [f64; 5])> = left.rows.lines().skip(1).filter_map(row).collect();
-    let course = |(i, steady): (usize, &Steady)| {
-        let of_probe = || rows.iter().skip(i).step_by(probes);
-        let name = of_probe().next().map(|row| row.0.as_str()).unwrap_or_default();
-        let title = if alone { name.to_owned() } else { format!("{caption},  {name}") };
-        let [l, m, s] = steady.bleached;
-        let [x, y] = steady.chromaticity;
-        Course {
-            title,
-            points: of_probe().map(|row| (row.1, row.2)).collect(),
-            steady: [l, m, s, x, y],
-        }
     };
-    left.done.steady.iter().enumerate().map(course).collect()
+    (words.map(number).collect(), order)
 }
 
-/// Probe, duration and curves of a row of the table: case, duration, ..., probe, then eleven
-/// numbers.
-fn row(line: &str) -> Option<(String, f64, [f64; 5])> {
-    let mut fields = line.rsplitn(12, ',');
-    let numbers: Vec<f64> =
-        fields.by_ref().take(11).map_while(|field| field.parse().ok()).collect();
-    let &[y, x, _, _, _, s, m, l, ..] = &numbers[..] else { return None };
-    let head = fields.next()?;
-    let duration = head.split(',').nth(1)?.parse().ok()?;
-    Some((head.rsplit(',').next()?.to_owned(), duration, [1.0 - l, 1.0 - m, 1.0 - s, x, y]))
-}
-
-fn legend(sheet: &mut Sheet) {
-    sheet.text((90.0, 24.0), "bleached fraction of the pigment in", 16, Anchor::Start, BLACK);
-    sheet.text((690.0, 24.0), "chromaticity of the percept", 16, Anchor::Start, BLACK);
-    for (i, (name, ink, marker)) in CURVES.into_iter().enumerate() {
-        let x = if i < 3 { 382.0 + 66.0 * i as f64 } else { 922.0 + 58.0 * (i - 3) as f64 };
-        sheet.line((x, 18.0), (x + 28.0, 18.0), ink, 2.0, "");
-        sheet.mark((x + 14.0, 18.0), marker, 3.5, ink);
-        sheet.text((x + 34.0, 24.0), name, 16, Anchor::Start, ink);
-    }
-    sheet.line((1042.0, 18.0), (1072.0, 18.0), GREY, 1.4, "6 4");
-    sheet.text((1078.0, 24.0), "steady state", 16, Anchor::Start, BLACK);
-}
-
-fn draw(sheet: &mut Sheet, course: &Course, sweep: &Sweep, top: f64) {
-    sheet.text((90.0, top - 10.0), &course.title, 16, Anchor::Start, BLACK);
-    let x = time_axis(&sweep.durations);
-    let [low, high] = limits(course);
-    let unit = Axis { from: 0.0, to: 1.0, logarithmic: false, every: 0.25, label: "bleached" };
-    let colour = Axis {
-        from: low,
-        to: high,
-        logarithmic: false,
-        every: if high - low > 1.0 { 0.4 } else { 0.2 },
-        label: "x, y",
+/// Places from 0 to 1 for values, by their logarithm where they span more than a factor of twenty,
+/// and labels for values that are not too near to each other.
+fn spaced(values: &[f64]) -> (Vec<f64>, Vec<(f64, String)>) {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.dedup();
+    let (Some(&least), Some(&most)) = (sorted.first(), sorted.last()) else {
+        return (Vec::new(), Vec::new());
     };
-    let panels = [(90.0, unit, 0..3), (690.0, colour, 3..5)];
-    for (left, y, curves) in panels {
-        let panel = Panel { left, top, width: 480.0, height: 190.0, x, y };
-        panel.frame(sheet);
-        for curve in curves.clone() {
-            draw_curve(sheet, &panel, course, curve);
+    let logarithmic = least > 0.0 && most > 20.0 * least;
+    let on_axis = |v: f64| if logarithmic { v.log10() } else { v };
+    let span = (on_axis(most) - on_axis(least)).max(f64::MIN_POSITIVE);
+    let place = |v: f64| (on_axis(v) - on_axis(least)) / span;
+    let mut labels: Vec<(f64, String)> = vec![(1.0, written(most))];
+    for &value in &sorted {
+        let near = |label: &(f64, String)| (label.0 - place(value)).abs() < 0.08;
+        if !labels.iter().any(near) {
+            labels.push((place(value), written(value)));
         }
+    }
+    (values.iter().map(|v| place(*v)).collect(), labels)
+}
+
+/// A number in two digits, four below 10⁴ and above a thousandth.
+fn written(value: f64) -> String {
+    let size = value.abs().max(f64::MIN_POSITIVE).log10().floor();
+    match value.abs() {
+        0.0 => "0".into(),
+        1e4.. | ..1e-3 => {
+            let text = format!("{value:.1e}");
+            let (digits, size) = text.split_once('e').unwrap_or((&text, "0"));
+            match (digits.trim_end_matches(".0"), power(size.parse().unwrap_or(0.0))) {
+                ("1", power) => power,
+                (digits, power) => format!("{digits}·{power}"),
+            }
+        }
+        _ => {
+            let unit = 10f64.powf((3.0 - size).max(0.0));
+            ((value * unit).round() / unit).to_string()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TABLE: &str = "case,duration_s,\"observer.tau_s\",probe,I_L,I_M,I_S,p_L,p_M,p_S,X,Y,Z,x,y,pupil_mm\n\
+        2,0.3,\"[4.3, 4.3, 5.0]\",sun,1,2,3,.5,.6,.7,8,9,10,.1,.2,3\n\
+        2,0.3,\"[4.3, 4.3, 5.0]\",sky,1,2,3,.5,.6,.7,8,9,10,.1,.2,3\n\
+        2,1,\"[4.3, 4.3, 5.0]\",sun,1,2,3,.1,.2,.3,8,9,10,.1,.2,3\n";
+
+    #[test]
+    fn rows_are_read_by_the_names_of_their_columns_whatever_values_and_columns_beside_them() {
+        let probes = rows(TABLE);
+        assert_eq!(
+            probes.iter().map(|(name, rows)| (name.as_str(), rows.len())).collect::<Vec<_>>(),
+            [("sun", 2), ("sky", 1)]
+        );
+        let last = probes[0].1[1];
+        assert_eq!(
+            last,
+            Moment { time: 1.0, light: [1.0, 2.0, 3.0], p: [0.1, 0.2, 0.3], xyz: [8.0, 9.0, 10.0] }
+        );
+    }
+
+    fn text(values: &[&[&str]]) -> Vec<Vec<String>> {
+        values.iter().map(|case| case.iter().map(|v| (*v).to_owned()).collect()).collect()
+    }
+
+    #[test]
+    fn colours_go_with_numbers_by_decades_and_dashes_with_words() {
+        let keys = ["observer.constants".to_owned(), "input.white_cd_m2".to_owned()];
         let values =
-            course.points.iter().flat_map(|(_, values)| values[curves.clone()].iter().copied());
-        note_breaks(sheet, &panel, values);
+            text(&[&["\"a\"", "10.0"], &["\"a\"", "100.0"], &["\"a\"", "1e3"], &["\"b\"", "10.0"]]);
+        let (looks, scale) = looks(&keys, &values);
+        let [dark, middle, bright] = [0.0, 0.5, 1.0].map(ordered);
+        assert_eq!(looks, [(dark, 0), (middle, 0), (bright, 0), (dark, 1)]);
+        assert_eq!(
+            (scale.name.as_str(), &scale.dashes[..]),
+            ("constants, white_cd_m2", &["a".to_owned(), "b".to_owned()][..])
+        );
     }
-}
 
-fn draw_curve(sheet: &mut Sheet, panel: &Panel, course: &Course, curve: usize) {
-    let (_, ink, marker) = CURVES[curve];
-    let steady = course.steady[curve];
-    if inside(panel, steady) {
-        sheet.line(panel.at(panel.x.from, steady), panel.at(panel.x.to, steady), ink, 1.4, "6 4");
+    #[test]
+    fn a_few_words_take_colours_that_stay_apart_and_many_take_them_in_order() {
+        let key = ["observer.pupil".to_owned()];
+        let words =
+            |count: usize| (0..count).map(|i| vec![format!("\"w{i}\"")]).collect::<Vec<_>>();
+        let (few, scale) = looks(&key, &words(3));
+        assert_eq!(few, [(APART[0], 0), (APART[1], 0), (APART[2], 0)]);
+        assert_eq!(scale.name, "pupil");
+        let (many, scale) = looks(&key, &words(30));
+        assert_eq!(
+            (many[0].0, many[29].0, scale.name.as_str()),
+            (ordered(0.0), ordered(1.0), "case")
+        );
     }
-    let place = |&(time, values): &(f64, [f64; 5])| panel.at(time.max(panel.x.from), values[curve]);
-    let r = if course.points.len() > 40 { 2.0 } else { 3.5 };
-    for piece in course.points.split(|(_, values)| !inside(panel, values[curve])) {
-        let piece: Vec<Point> = piece.iter().map(place).collect();
-        sheet.polyline(&piece, ink, 2.0, "");
-        piece.into_iter().for_each(|at| sheet.mark(at, marker, r, ink));
-    }
-}
 
-/// Whole powers of ten around the durations; the start stands at the left edge.
-fn time_axis(durations: &[f64]) -> Axis<'static> {
-    let least = durations.iter().copied().find(|&d| d > 0.0).unwrap_or(1.0).log10();
-    let last = durations.last().copied().filter(|&d| d > 0.0).unwrap_or(1.0).log10();
-    let begins_at_zero = durations.first() == Some(&0.0);
-    let from = if begins_at_zero {
-        (least - 1e-9).floor() - f64::from(least.fract() == 0.0)
-    } else {
-        (least + 1e-9).floor()
-    };
-    let to = (last - 1e-9).ceil().max(from + 1.0);
-    let label = if begins_at_zero { "duration (s), left edge: the start" } else { "duration (s)" };
-    Axis {
-        from: 10f64.powf(from),
-        to: 10f64.powf(to),
-        logarithmic: true,
-        every: ((to - from) / 8.0).ceil(),
-        label,
+    #[test]
+    fn labels_are_short_and_apart() {
+        let many: Vec<f64> = (0..400).map(|i| 1e2 * 1e6f64.powf(f64::from(i) / 399.0)).collect();
+        let (places, labels) = spaced(&many);
+        assert_eq!((places[0], places[399], labels[0].1.as_str()), (0.0, 1.0, "10⁸"));
+        assert!(
+            labels.len() <= 13 && labels.iter().all(|(_, label)| label.chars().count() <= 8),
+            "{labels:?}"
+        );
+        let few = [0.0, 12.34567, 0.25, 2.04e4, 9.99e7, 3e-5].map(written);
+        assert_eq!(few, ["0", "12.35", "0.25", "2·10⁴", "10⁸", "3·10⁻⁵"]);
     }
-}
-
-/// Steps that hold the chromaticities of a course; colours far outside the lights that exist leave
-/// the panel.
-fn limits(course: &Course) -> [f64; 2] {
-    let seen = course.points.iter().flat_map(|point| &point.1[3..]).chain(&course.steady[3..]);
-    let (low, high) = seen
-        .filter(|v| v.is_finite())
-        .fold((0.2, 0.6), |(a, b): (f64, f64), &v| (a.min(v), b.max(v)));
-    let step = if high.min(1.2) - low.max(-0.4) > 1.0 { 0.4 } else { 0.2 };
-    [(low.max(-0.4) / step).floor() * step, (high.min(1.2) / step).ceil() * step]
 }
