@@ -23,6 +23,18 @@ impl Primaries {
         blue: [0.15, 0.06],
         white: [0.3127, 0.3290],
     };
+
+    /// CIE 1931 XYZ itself, as channels X, Y, Z hold it.
+    pub const XYZ: Primaries =
+        Primaries { red: [1.0, 0.0], green: [0.0, 1.0], blue: [0.0, 0.0], white: [1.0 / 3.0; 2] };
+
+    /// Whether all eight numbers agree but for rounding, in files that print them or keep them as
+    /// single floats: within 1e-5.
+    pub fn agrees(&self, other: &Primaries) -> bool {
+        let points = |p: &Primaries| [p.red, p.green, p.blue, p.white];
+        let both = points(self).into_iter().flatten().zip(points(other).into_iter().flatten());
+        both.into_iter().all(|(a, b)| (a - b).abs() < 1e-5)
+    }
 }
 
 /// Matrix times vector.
@@ -53,7 +65,10 @@ pub fn inverse(m: &Matrix) -> Matrix {
 
 /// Linear RGB in these primaries -> CIE 1931 XYZ, Y of white 1. `None` if they span no gamut.
 pub fn rgb_to_xyz(primaries: &Primaries) -> Option<Matrix> {
-    let tristimulus = |[x, y]: [f64; 2]| [x / y, 1.0, (1.0 - x - y) / y];
+    // A primary without luminance (y = 0: X and Z of XYZ) is given by its proportions.
+    let tristimulus = |[x, y]: [f64; 2]| {
+        if y == 0.0 { [x, 0.0, 1.0 - x] } else { [x / y, 1.0, (1.0 - x - y) / y] }
+    };
     let columns = [primaries.red, primaries.green, primaries.blue].map(tristimulus);
     let m = [0, 1, 2].map(|i| [0, 1, 2].map(|j| columns[j][i]));
     let share = apply(&inverse(&m), tristimulus(primaries.white));
@@ -105,6 +120,21 @@ mod tests {
             }
         }
         assert!(there[0][1] < 0.0, "a green of ACEScg lies outside Rec. 709");
+    }
+
+    #[test]
+    fn xyz_is_a_basis_of_its_own() {
+        let m = rgb_to_xyz(&Primaries::XYZ).unwrap();
+        for (row, unit) in m.iter().flatten().zip(IDENTITY.iter().flatten()) {
+            assert!((row - unit).abs() < 1e-12, "{m:?}");
+        }
+    }
+
+    #[test]
+    fn primaries_agree_within_rounding_only() {
+        let near = Primaries { red: [0.64, 0.330_000_1], ..Primaries::REC709 };
+        let far = Primaries { red: [0.64, 0.331], ..Primaries::REC709 };
+        assert!(Primaries::REC709.agrees(&near) && !Primaries::REC709.agrees(&far));
     }
 
     #[test]

@@ -1,8 +1,11 @@
 //! Damaged and malicious OpenEXR files: each is refused or read, none panics, hangs or takes
 //! memory.
 
+mod exr_raw;
+
 use std::path::{Path, PathBuf};
 
+use exr_raw::luminance_and_chroma;
 use proptest::prelude::*;
 use sungaze::frames::{About, ChannelNames, Compression, ReadOptions, open, write_exr};
 use sungaze::light::{Planes, Samples};
@@ -38,6 +41,8 @@ fn victims() -> &'static [Vec<u8>] {
             "mi_bitmap_fichet.exr",
         ];
         victims.extend(small.iter().map(|name| std::fs::read(data.join(name)).unwrap()));
+        let chroma = |compression, lines| luminance_and_chroma(compression, lines, [-4, 2, 11, 37]);
+        victims.extend([chroma(0, 1), chroma(3, 16)]);
         victims
     })
 }
@@ -56,8 +61,15 @@ fn read(bytes: &[u8]) {
     std::fs::remove_file(&path).unwrap();
 }
 
+/// Some hundred; `PROPTEST_CASES` asks for more.
+fn cases() -> u32 {
+    std::env::var("PROPTEST_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(600)
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 10_000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig {
+        cases: cases(), failure_persistence: None, ..ProptestConfig::default()
+    })]
 
     #[test]
     fn no_damage_to_an_exr_file_is_fatal(

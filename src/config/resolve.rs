@@ -141,6 +141,7 @@ impl Config {
                 NegativeKey::Clamp => Negative::Clamp,
             },
             max_pixels: input.max_pixels,
+            own_white: input.white_cd_m2.is_none(),
         })
     }
 

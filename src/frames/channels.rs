@@ -23,6 +23,8 @@ pub(super) struct Choice {
     pub channels: Vec<usize>,
     /// For each band, the factor to W m^-2 sr^-1 nm^-1; empty for RGB.
     pub scale: Vec<f64>,
+    /// Whether the three channels are luminance Y and the differences RY and BY.
+    pub chroma: bool,
     pub notes: Vec<String>,
 }
 
@@ -35,19 +37,23 @@ pub(super) fn choose(offer: &Offer, options: &ReadOptions) -> Result<Choice, Str
             return spectral(offer, options, &found);
         }
     }
-    match rgb_channels(offer.names) {
-        Some(channels) if options.wanted != Wanted::Spectral => Ok(rgb(offer, channels)),
+    match colours(offer.names) {
+        Some(colours) if options.wanted != Wanted::Spectral => Ok(rgb(offer, colours)),
         _ => Err(nothing_found(offer.names, options.wanted)),
     }
 }
 
-fn rgb(offer: &Offer, channels: [usize; 3]) -> Choice {
-    let mut notes = passed_over(offer.names, &channels);
-    if channels[0] == channels[1] {
-        notes.push("only a luminance channel Y: read as grey".into());
+fn rgb(offer: &Offer, colours: Colours) -> Choice {
+    let mut notes = passed_over(offer.names, &colours.channels);
+    notes.extend(colours.note);
+    let primaries = colours.primaries.or(offer.primaries).unwrap_or(Primaries::REC709);
+    Choice {
+        kind: Kind::Rgb(primaries),
+        channels: colours.channels.to_vec(),
+        scale: Vec::new(),
+        chroma: colours.chroma,
+        notes,
     }
-    let kind = Kind::Rgb(offer.primaries.unwrap_or(Primaries::REC709));
-    Choice { kind, channels: channels.to_vec(), scale: Vec::new(), notes }
 }
 
 fn spectral(
@@ -74,7 +80,7 @@ fn spectral(
     });
     let scale = scale.collect();
     let notes = passed_over(offer.names, &channels);
-    Ok(Choice { kind: Kind::Spectral(bands), channels, scale, notes })
+    Ok(Choice { kind: Kind::Spectral(bands), channels, scale, chroma: false, notes })
 }
 
 /// A band known by its centre only: its limits follow from its neighbours.
@@ -137,9 +143,7 @@ fn recognised(offer: &Offer) -> Result<Vec<(usize, Band)>, String> {
     let told = bands_where(&|i, _| {
         (offer.told)(&offer.names[i]).map(|metres| centred((metres * 1e15).round() / 1e6))
     });
-    if told.is_empty()
-        && meanings.contains(&Meaning::Reflective)
-        && rgb_channels(offer.names).is_none()
+    if told.is_empty() && meanings.contains(&Meaning::Reflective) && colours(offer.names).is_none()
     {
         return Err(
             "holds reflectances (channels `T.*`), not light; render the scene to radiance (channels `S0.*`)".into()
@@ -164,13 +168,54 @@ fn matched(names: &[String], pattern: &str, mark: &str) -> Result<Vec<(usize, f6
     Ok(found)
 }
 
-fn rgb_channels(names: &[String]) -> Option<[usize; 3]> {
-    let at = |wanted: &str| names.iter().position(|name| name == wanted);
-    match (at("R"), at("G"), at("B")) {
-        (Some(r), Some(g), Some(b)) => Some([r, g, b]),
-        _ if at("RY").is_none() && at("BY").is_none() => at("Y").map(|y| [y; 3]),
-        _ => None,
+/// The channels of a picture in three colours, and what they mean.
+struct Colours {
+    channels: [usize; 3],
+    /// Primaries that the channels' names tell, whatever the file says.
+    primaries: Option<Primaries>,
+    /// Luminance Y and the differences RY and BY, from which red, green and blue follow.
+    chroma: bool,
+    note: Option<String>,
+}
+
+impl Colours {
+    fn plain(channels: [usize; 3]) -> Colours {
+        Colours { channels, primaries: None, chroma: false, note: None }
     }
+}
+
+/// Spellings of red, green and blue. Case matters only to prefer `R` to `r`.
+const SPELLINGS: [[&str; 3]; 2] = [["R", "G", "B"], ["red", "green", "blue"]];
+/// Names of a channel that is a picture by itself, in grey.
+const GREYS: [&str; 4] = ["Y", "L", "luminance", "grey"];
+
+fn colours(names: &[String]) -> Option<Colours> {
+    let exact = |wanted: &str| names.iter().position(|name| name == wanted);
+    let loose = |wanted: &str| {
+        exact(wanted).or_else(|| names.iter().position(|name| name.eq_ignore_ascii_case(wanted)))
+    };
+    let three = |wanted: [&str; 3]| match wanted.map(loose) {
+        [Some(a), Some(b), Some(c)] => Some([a, b, c]),
+        _ => None,
+    };
+    if let Some(channels) = SPELLINGS.into_iter().find_map(three) {
+        return Some(Colours::plain(channels));
+    }
+    if let [Some(x), Some(y), Some(z)] = ["X", "Y", "Z"].map(exact) {
+        let note = Some("channels X, Y, Z: read as CIE XYZ".into());
+        let primaries = Some(Primaries::XYZ);
+        return Some(Colours { primaries, note, ..Colours::plain([x, y, z]) });
+    }
+    if let [Some(y), Some(ry), Some(by)] = ["Y", "RY", "BY"].map(exact) {
+        return Some(Colours { chroma: true, ..Colours::plain([y, ry, by]) });
+    }
+    let alone = || match SPELLINGS[0].map(loose) {
+        [Some(one), None, None] | [None, Some(one), None] | [None, None, Some(one)] => Some(one),
+        _ => None,
+    };
+    let grey = GREYS.into_iter().find_map(loose).or_else(alone)?;
+    let note = Some(format!("only a channel `{}`: read as grey", names[grey].escape_debug()));
+    Some(Colours { note, ..Colours::plain([grey; 3]) })
 }
 
 fn passed_over(names: &[String], used: &[usize]) -> Vec<String> {
@@ -211,12 +256,16 @@ pub(super) fn listed(names: &[String]) -> String {
 fn nothing_found(names: &[String], wanted: Wanted) -> String {
     let has = listed(names);
     match wanted {
-        Wanted::Rgb => format!("has no R, G, B and no Y of full size; it has {has}"),
+        Wanted::Rgb => format!(
+            "has no picture in channels R, G, B (also r, g, b or red, green, blue), X, Y, Z, or Y, \
+             RY, BY, and none in one channel Y, L, R, G or B, read as grey; it has {has}"
+        ),
         _ => format!(
-            "has neither bands with names that tell their wavelengths nor R, G, B; it has {has}. Say which channel is \
-             which wavelength, for instance channels = \"S0_{{nm}}nm\", or channels = \"band_{{index}}\" with \
-             bands_nm = {{ from = 395, to = 705 }}, or a list of {{ name, centre_nm, width_nm }}; another layer or \
-             part is chosen by `layer`"
+            "has neither bands with names that tell their wavelengths nor R, G, B nor X, Y, Z nor \
+             one channel that could be read as grey; it has {has}. Say which channel is which \
+             wavelength, for instance channels = \"S0_{{nm}}nm\", or channels = \
+             \"band_{{index}}\" with bands_nm = {{ from = 395, to = 705 }}, or a list of {{ name, \
+             centre_nm, width_nm }}; another layer or part is chosen by `layer`"
         ),
     }
 }

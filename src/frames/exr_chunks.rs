@@ -13,6 +13,7 @@ use exr_blocks::{Damaged, piz};
 
 use crate::error::{Error, Result};
 use crate::frames::exr_file::Part;
+use crate::frames::exr_sampling::{expanded, is_subsampled, stored_bytes};
 
 /// The compressed chunks of a part, read in order.
 pub(super) struct Chunks<'a> {
@@ -92,23 +93,49 @@ impl<'a> Chunks<'a> {
 }
 
 /// Decompresses one block: PIZ by our own codec, which is several times as fast, the rest by the
-/// `exr` crate.
+/// `exr` crate. Every pixel has a sample of every channel.
 pub(super) fn decompressed(
     header: &Header,
     bytes: Vec<u8>,
     area: IntegerBounds,
     path: &Path,
 ) -> Result<Vec<u8>> {
-    if bytes.len() == area.size.area() * header.channels.bytes_per_pixel {
-        // A block that would not shrink is stored as it is.
-        return Ok(bytes);
+    if !is_subsampled(header) {
+        return unpacked(header, bytes, area, path);
     }
+    let (width, rows) = (area.size.width(), rows(header, area));
+    let expected = stored_bytes(header, width, rows.clone());
+    let block = if bytes.len() == expected {
+        bytes
+    } else {
+        // The crate expects whole bytes of each pixel, and that many.
+        let mut header = header.clone();
+        header.channels.bytes_per_pixel = expected / area.size.area();
+        unpacked(&header, bytes, area, path)?
+    };
+    if block.len() != expected {
+        return Err(Error::file(path, "is damaged: a block has not the samples of its channels"));
+    }
+    Ok(expanded(header, &block, width, rows))
+}
+
+/// The rows of a block, as the file counts them.
+fn rows(header: &Header, area: IntegerBounds) -> Range<i32> {
+    let top = area.position.y() + header.own_attributes.layer_position.y();
+    top..top + area.size.height() as i32
+}
+
+fn unpacked(header: &Header, bytes: Vec<u8>, area: IntegerBounds, path: &Path) -> Result<Vec<u8>> {
+    // A block that would not shrink is stored as it is.
+    let raw = bytes.len() == area.size.area() * header.channels.bytes_per_pixel;
     match header.compression {
-        Compression::PIZ => piz(header, &bytes, area).map_err(|problem| {
-            Error::file(path, format!("is damaged: its pixels cannot be decompressed ({problem})"))
-        }),
+        Compression::PIZ if !raw && cfg!(target_endian = "little") => piz(header, &bytes, area)
+            .map_err(|problem| {
+                let problem = format!("is damaged: its pixels cannot be decompressed ({problem})");
+                Error::file(path, problem)
+            }),
         Compression::DWAA(_) | Compression::DWAB(_)
-            if !dwa_sizes_are_sound(&bytes, header, area) =>
+            if !raw && !dwa_sizes_are_sound(&bytes, header, area) =>
         {
             Err(Error::file(path, "is damaged: a DWA block claims more than its pixels"))
         }
@@ -124,8 +151,7 @@ fn piz(header: &Header, bytes: &[u8], area: IntegerBounds) -> Result<Vec<u8>, Da
         sampling: (channel.sampling.x(), channel.sampling.y()),
     };
     let channels: Vec<piz::Channel> = header.channels.list.iter().map(channel).collect();
-    let top = area.position.y() + header.own_attributes.layer_position.y();
-    piz::decoded(bytes, &channels, area.size.width(), top..top + area.size.height() as i32)
+    piz::decoded(bytes, &channels, area.size.width(), rows(header, area))
 }
 
 /// The crate allocates what a DWA block's eleven counters claim. None is larger than the block,

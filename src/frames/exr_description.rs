@@ -6,6 +6,9 @@ use exr::meta::attribute::{AttributeValue, IntegerBounds, SampleType};
 use exr::meta::header::Header;
 use serde::Serialize;
 
+use crate::frames::exr_file::text;
+use crate::frames::shown::shown;
+
 /// Longer attribute texts are cut, characters.
 const LONGEST_TEXT: usize = 200;
 
@@ -30,7 +33,7 @@ pub struct Channel {
 /// Describes one part.
 pub(super) fn described(header: &Header) -> ExrDescription {
     let channel = |channel: &exr::meta::attribute::ChannelDescription| Channel {
-        name: channel.name.to_string(),
+        name: shown(&text(&channel.name)),
         stored: match channel.sample_type {
             SampleType::F16 => "half",
             SampleType::F32 => "float",
@@ -38,8 +41,9 @@ pub(super) fn described(header: &Header) -> ExrDescription {
         },
     };
     let attributes = header.all_named_attributes().filter_map(|(name, value)| {
-        let name = String::from_utf8_lossy(name).into_owned();
-        Some((name, text(&value)?)).filter(|(name, _)| !MANDATORY.contains(&name.as_str()))
+        let name = shown(&String::from_utf8_lossy(name));
+        Some((name, shown(&value_text(&value)?)))
+            .filter(|(name, _)| !MANDATORY.contains(&name.as_str()))
     });
     ExrDescription {
         data_window: window(header.data_window()),
@@ -65,9 +69,9 @@ fn window(bounds: IntegerBounds) -> [i64; 4] {
 }
 
 /// Texts and numbers as text; nothing for structures.
-fn text(value: &AttributeValue) -> Option<String> {
+fn value_text(value: &AttributeValue) -> Option<String> {
     Some(match value {
-        AttributeValue::Text(text) => text.to_string().chars().take(LONGEST_TEXT).collect(),
+        AttributeValue::Text(words) => text(words).chars().take(LONGEST_TEXT).collect(),
         AttributeValue::F32(number) => number.to_string(),
         AttributeValue::F64(number) => number.to_string(),
         AttributeValue::I32(number) => number.to_string(),

@@ -12,9 +12,9 @@ use std::path::{Path, PathBuf};
 use exr::block::chunk::TileCoordinates;
 use exr::compression::Compression;
 use exr::math::Vec2;
-use exr::meta::attribute::IntegerBounds;
+use exr::meta::attribute::{IntegerBounds, Text};
 use exr::meta::header::Header;
-use exr::meta::{BlockDescription, MetaData};
+use exr::meta::{BlockDescription, Headers, MetaData};
 use rayon::iter::{ParallelBridge, ParallelIterator};
 
 use crate::error::{Error, Result};
@@ -46,18 +46,18 @@ impl ExrFile {
         let mut reader = BufReader::new(file);
         let meta = guarded(path, || {
             let meta = MetaData::read_from_buffered(reader.by_ref(), false)?;
-            MetaData::validate(&meta.headers, false)?;
+            MetaData::validate(&flat(&meta), false)?;
             Ok(meta)
         })?;
         let tables_at = reader.stream_position().map_err(Error::io(path, "read"))?;
         Ok(ExrFile { path: path.to_owned(), meta, bytes, tables_at })
     }
 
-    /// The picture of one part, once its declared size has been found believable.
+    /// The picture of one part in its display window, once its declared size has been found
+    /// believable.
     pub fn part(&self, index: usize, max_pixels: u64) -> Result<Part<'_>> {
         let header = &self.meta.headers[index];
         let display = header.shared_attributes.display_window;
-        let (width, height) = (display.size.width(), display.size.height());
         let dwa = matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_));
         let densest = if dwa { DENSEST_DWA } else { DENSEST };
         for size in [display.size, header.layer_size] {
@@ -70,26 +70,69 @@ impl ExrFile {
                 max_pixels,
             )?;
         }
-        if header.channels.list.iter().any(|channel| channel.sampling != Vec2(1, 1)) {
-            return Err(Error::file(
-                &self.path,
-                "has subsampled channels (luminance/chroma); channels of full size are read",
-            ));
-        }
-        Ok(Part { file: self, index, header, width, height })
+        sampling_is_sound(header).map_err(|problem| Error::file(&self.path, problem))?;
+        Ok(Part { file: self, index, header, window: display })
     }
 }
 
-/// The picture of one part. `width` and `height` are those of the display window.
+/// The flat parts, as the `exr` crate can check them: it refuses deep and subsampled ones.
+fn flat(meta: &MetaData) -> Headers {
+    let mut headers: Headers = meta.headers.iter().filter(|part| !part.deep).cloned().collect();
+    let channels = headers.iter_mut().flat_map(|header| &mut header.channels.list);
+    channels.for_each(|channel| channel.sampling = Vec2(1, 1));
+    headers
+}
+
+/// Checks that the data window has whole samples of every channel, as the format asks.
+fn sampling_is_sound(header: &Header) -> Result<(), String> {
+    if header.deep {
+        return Err("holds deep data; flat parts are read".into());
+    }
+    let (at, size) = (header.own_attributes.layer_position, header.layer_size);
+    let tiled = !matches!(header.blocks, BlockDescription::ScanLines);
+    let whole = |sampling: usize, at: i32, size: usize| {
+        let possible = (1..=1 << 15).contains(&sampling);
+        possible && at % sampling as i32 == 0 && size.is_multiple_of(sampling)
+    };
+    let unsound = header.channels.list.iter().find(|channel| {
+        let Vec2(x, y) = channel.sampling;
+        let whole = whole(x, at.x(), size.width()) && whole(y, at.y(), size.height());
+        !whole || (tiled && channel.sampling != Vec2(1, 1))
+    });
+    unsound.map_or(Ok(()), |channel| {
+        let Vec2(x, y) = channel.sampling;
+        Err(format!(
+            "is damaged: channel `{}` is sampled {x} x {y}, which does not divide its window",
+            text(&channel.name).escape_debug()
+        ))
+    })
+}
+
+/// A name or text of a file: UTF-8 where it is that, else Latin-1.
+pub(super) fn text(text: &Text) -> String {
+    let bytes = text.as_slice();
+    let latin = || bytes.iter().map(|&byte| char::from(byte)).collect();
+    std::str::from_utf8(bytes).map_or_else(|_| latin(), str::to_owned)
+}
+
+/// The picture of one part, as far as a window shows it.
 pub(super) struct Part<'a> {
     pub file: &'a ExrFile,
     pub index: usize,
     pub header: &'a Header,
-    pub width: usize,
-    pub height: usize,
+    /// What is read: pixels in it that have no data are left as they are.
+    pub window: IntegerBounds,
 }
 
 impl Part<'_> {
+    pub fn width(&self) -> usize {
+        self.window.size.width()
+    }
+
+    pub fn height(&self) -> usize {
+        self.window.size.height()
+    }
+
     /// Where the samples of a channel lie.
     pub fn place(&self, channel: usize) -> Place {
         let list = &self.header.channels.list;
@@ -97,14 +140,14 @@ impl Part<'_> {
         Place { before, kind: list[channel].sample_type }
     }
 
-    /// Whether every pixel of the display window has data.
-    pub fn covers_display(&self) -> bool {
+    /// Whether every pixel of the window has data.
+    pub fn covers_window(&self) -> bool {
         let (columns, rows) = self.seen();
-        columns.len() == self.width && rows.len() == self.height
+        columns.len() == self.width() && rows.len() == self.height()
     }
 
-    /// Decodes the rows that the display window shows. `planes` holds `row_length` items for each
-    /// row of the display window; `visit` gets decoded rows, the items of just these, and room to
+    /// Decodes the rows that the window shows. `planes` holds `row_length` items for each row of
+    /// the window; `visit` gets decoded rows, the items of just these, and room to
     /// work in. Results come in order of rows.
     pub fn decode<T, R, V>(&self, planes: &mut [T], row_length: usize, visit: V) -> Result<Vec<R>>
     where
@@ -196,16 +239,14 @@ impl Part<'_> {
         marks
     }
 
+    /// Where the data window stands in the window.
     fn offset(&self) -> (i64, i64) {
-        let (data, display) = (
-            self.header.own_attributes.layer_position,
-            self.header.shared_attributes.display_window,
-        );
+        let (data, window) = (self.header.own_attributes.layer_position, self.window.position);
         let apart = |a: i32, b: i32| i64::from(a) - i64::from(b);
-        (apart(data.x(), display.position.x()), apart(data.y(), display.position.y()))
+        (apart(data.x(), window.x()), apart(data.y(), window.y()))
     }
 
-    /// Columns and rows of the data window that lie in the display window.
+    /// Columns and rows of the data window that lie in the window.
     fn seen(&self) -> (Range<usize>, Range<usize>) {
         let overlap = |offset: i64, data: usize, display: usize| {
             let end = (display as i64 - offset).clamp(0, data as i64) as usize;
@@ -213,6 +254,6 @@ impl Part<'_> {
         };
         let (dx, dy) = self.offset();
         let size = self.header.layer_size;
-        (overlap(dx, size.width(), self.width), overlap(dy, size.height(), self.height))
+        (overlap(dx, size.width(), self.width()), overlap(dy, size.height(), self.height()))
     }
 }

@@ -8,13 +8,15 @@ use exr::meta::header::Header as PartHeader;
 use half::f16;
 use rayon::prelude::*;
 
-use crate::colour::Primaries;
+use crate::colour::{Primaries, rgb_to_xyz};
 use crate::error::{Error, Result};
 use crate::frames::census::{Census, Mending, verdict};
 use crate::frames::channels::{Choice, Offer, choose, listed};
-use crate::frames::exr_file::{ExrFile, Part};
+use crate::frames::exr_file::{ExrFile, Part, text};
 use crate::frames::exr_rows::{Place, Stored};
-use crate::frames::footage::Picture;
+use crate::frames::exr_sampling::{interpolate, to_rgb};
+use crate::frames::footage::{Picture, examined};
+use crate::frames::shown::shown;
 use crate::frames::{Header, Kind, ReadOptions};
 use crate::light::{Frame, Planes, Samples};
 use crate::units::Nits;
@@ -35,15 +37,12 @@ impl ExrPicture {
         let (part, choice) =
             chosen(&file, options).map_err(|problem| Error::file(path, problem))?;
         let (width, height) =
-            file.part(part, options.max_pixels).map(|part| (part.width, part.height))?;
+            file.part(part, options.max_pixels).map(|part| (part.width(), part.height()))?;
         let attributes = &file.meta.headers[part].own_attributes;
         let mut notes = choice.notes.clone();
         if file.meta.headers.len() > 1 {
-            let name = attributes
-                .layer_name
-                .as_ref()
-                .map(|name| format!(", `{name}`"))
-                .unwrap_or_default();
+            let name = attributes.layer_name.as_ref();
+            let name = name.map(|name| format!(", `{}`", shown(&text(name)))).unwrap_or_default();
             notes.push(format!("part {} of {}{name}", part + 1, file.meta.headers.len()));
         }
         let aspect = file.meta.headers[part].shared_attributes.pixel_aspect;
@@ -81,9 +80,8 @@ impl ExrPicture {
 
     /// The name of the channel behind a plane.
     pub fn channel(&self, plane: usize) -> String {
-        self.file.meta.headers[self.part].channels.list[self.choice.channels[plane]]
-            .name
-            .to_string()
+        let channel = self.choice.channels[plane];
+        shown(&text(&self.file.meta.headers[self.part].channels.list[channel].name))
     }
 
     /// Whether the frame is to be read with its infinities mended, or refused.
@@ -95,10 +93,10 @@ impl ExrPicture {
     /// The planes in the file's own numbers.
     fn as_stored<T: Stored>(&self, recycled: Option<Planes>) -> Result<Frame> {
         let part = self.part()?;
-        let (width, places) = (part.width, self.places(&part));
+        let (width, places) = (part.width(), self.places(&part));
         let count = places.len();
         let mut samples: Vec<T> =
-            canvas(recycled, width * part.height * count, part.covers_display());
+            canvas(recycled, width * part.height() * count, part.covers_window());
         let mending = Mending::first(&self.options);
         let counts = part.decode(&mut samples, width * count, |rows, out, _| {
             let mut census = Census::default();
@@ -117,8 +115,30 @@ impl ExrPicture {
             samples.par_chunks_mut(width).for_each(|row| mending.second(&census).mend(row));
         }
         let planes =
-            Planes { width, height: part.height, count, samples: T::into_samples(samples) };
+            Planes { width, height: part.height(), count, samples: T::into_samples(samples) };
         Ok(Frame { planes, tally: census.tally })
+    }
+
+    /// Red, green and blue out of Y, RY and BY.
+    fn of_chroma(&self, primaries: &Primaries) -> Result<Frame> {
+        let problem = || Error::file(&self.file.path, "has chromaticities that span no gamut");
+        let weights = rgb_to_xyz(primaries).ok_or_else(problem)?[1];
+        let part = self.part()?;
+        let (width, places) = (part.width(), self.places(&part));
+        let mut samples: Vec<f32> = vec![0.0; 3 * width * part.height()];
+        part.decode(&mut samples, 3 * width, |rows, out, _| {
+            for ((i, _), out) in rows.rows().zip(out.chunks_exact_mut(3 * width)) {
+                for (&place, out) in places.iter().zip(out.chunks_exact_mut(width)) {
+                    rows.fetch(i, place, &mut out[rows.columns()]);
+                }
+            }
+        })?;
+        for (plane, &channel) in self.choice.channels.iter().enumerate() {
+            let channel = &part.header.channels.list[channel];
+            interpolate(&mut samples, part.window, (plane, 3), channel);
+        }
+        samples.par_chunks_mut(3 * width).for_each(|row| to_rgb(row, weights));
+        examined(&self.file.path, samples, (width, part.height()), &self.options)
     }
 
     /// The projections of every pixel, block by block.
@@ -128,14 +148,18 @@ impl ExrPicture {
         let projection = projection.reordered(&bands, &self.choice.scale);
         let count = projection.rows;
         let mut sums: Vec<f32> =
-            canvas(recycled, part.width * part.height * count, part.covers_display());
+            canvas(recycled, part.width() * part.height() * count, part.covers_window());
         let mending = Mending::first(&self.options);
         let census = self.project(&part, &projection, &mut sums, mending)?;
         if self.verdict(&census)? {
             self.project(&part, &projection, &mut sums, mending.second(&census))?;
         }
-        let planes =
-            Planes { width: part.width, height: part.height, count, samples: Samples::Float(sums) };
+        let planes = Planes {
+            width: part.width(),
+            height: part.height(),
+            count,
+            samples: Samples::Float(sums),
+        };
         Ok(Frame { planes, tally: census.tally })
     }
 
@@ -146,7 +170,7 @@ impl ExrPicture {
         sums: &mut [f32],
         mending: Mending,
     ) -> Result<Census> {
-        let (width, places) = (part.width, self.places(part));
+        let (width, places) = (part.width(), self.places(part));
         let counts = part.decode(sums, width * projection.rows, |rows, out, row| {
             let mut census = Census::default();
             let columns = rows.columns();
@@ -186,6 +210,7 @@ impl Picture for ExrPicture {
         let part = self.part()?;
         let half = self.places(&part).iter().all(|place| place.kind == SampleType::F16);
         match (&self.choice.kind, projection) {
+            (Kind::Rgb(primaries), _) if self.choice.chroma => self.of_chroma(primaries),
             (Kind::Rgb(_), _) if half => self.as_stored::<f16>(recycled),
             (Kind::Rgb(_), _) => self.as_stored::<f32>(recycled),
             (Kind::Spectral(_), Some(projection)) => self.spectral(projection, recycled),
@@ -208,11 +233,11 @@ pub fn read_exr(path: &Path, names: &[&str], max_pixels: u64) -> Result<(Planes,
     };
     let channels = names.iter().map(channel).collect::<Result<_>>()?;
     let json = header.own_attributes.other.iter().find_map(|(name, value)| match value {
-        AttributeValue::Text(text) if *name == *"sungaze" => Some(text.to_string()),
+        AttributeValue::Text(json) if *name == *"sungaze" => Some(text(json)),
         _ => None,
     });
     let kind = Kind::Rgb(Primaries::REC709);
-    let (width, height) = file.part(0, max_pixels).map(|part| (part.width, part.height))?;
+    let (width, height) = file.part(0, max_pixels).map(|part| (part.width(), part.height()))?;
     let header = Header {
         width,
         height,
@@ -221,7 +246,7 @@ pub fn read_exr(path: &Path, names: &[&str], max_pixels: u64) -> Result<(Planes,
         frames_per_second: None,
         notes: Vec::new(),
     };
-    let choice = Choice { kind, channels, scale: Vec::new(), notes: Vec::new() };
+    let choice = Choice { kind, channels, scale: Vec::new(), chroma: false, notes: Vec::new() };
     let options = ReadOptions { max_pixels, ..ReadOptions::default() };
     let picture = ExrPicture { file, part: 0, choice, header, options };
     Ok((picture.as_stored::<f32>(None)?.planes, json))
@@ -249,7 +274,12 @@ fn chosen(file: &ExrFile, options: &ReadOptions) -> Result<(usize, Choice), Stri
     let headers = file.meta.headers.iter().enumerate();
     let mut problem = None;
     for (index, header) in headers {
-        let named = header.own_attributes.layer_name.as_ref().is_some_and(|name| *name == *layer);
+        if header.deep {
+            problem = problem.or(Some("holds deep data; flat parts are read".into()));
+            continue;
+        }
+        let named =
+            header.own_attributes.layer_name.as_ref().is_some_and(|name| text(name) == layer);
         let prefixes = [
             (named || layer.is_empty()).then(String::new),
             (!layer.is_empty()).then(|| format!("{layer}.")),
@@ -272,15 +302,14 @@ fn choice_under(
     prefix: &str,
     options: &ReadOptions,
 ) -> Option<Result<Choice, String>> {
-    let all: Vec<String> =
-        header.channels.list.iter().map(|channel| channel.name.to_string()).collect();
+    let all: Vec<String> = header.channels.list.iter().map(|channel| text(&channel.name)).collect();
     let inside = |(i, name): (usize, &String)| Some((i, name.strip_prefix(prefix)?.to_owned()));
     let (indices, names): (Vec<usize>, Vec<String>) =
         all.iter().enumerate().filter_map(inside).unzip();
     let told = |name: &str| {
         let wanted = format!("{prefix}{name}.wavelength");
         let attributes = &header.own_attributes.other;
-        match attributes.iter().find(|(key, _)| key.to_string() == wanted)?.1 {
+        match attributes.get(wanted.as_bytes())? {
             AttributeValue::F32(metres) => Some(f64::from(*metres)),
             AttributeValue::F64(metres) => Some(*metres),
             _ => None,
@@ -311,8 +340,8 @@ fn decimal(value: f32) -> f64 {
 fn layers(file: &ExrFile) -> String {
     let mut names: Vec<String> = Vec::new();
     for header in &file.meta.headers {
-        names.extend(header.own_attributes.layer_name.as_ref().map(|name| name.to_string()));
-        let channels = header.channels.list.iter().map(|channel| channel.name.to_string());
+        names.extend(header.own_attributes.layer_name.as_ref().map(text));
+        let channels = header.channels.list.iter().map(|channel| text(&channel.name));
         names.extend(
             channels.filter_map(|name| name.rsplit_once('.').map(|(layer, _)| layer.to_owned())),
         );

@@ -22,24 +22,24 @@ pub(super) struct Rows {
     pub bytes_per_pixel: usize,
     /// Row of the data window that the blocks begin with.
     pub first: usize,
-    /// Rows of the data window that lie in the display window.
+    /// Rows of the data window that lie in the window.
     pub seen: Range<usize>,
-    /// Columns of the data window that lie in the display window.
+    /// Columns of the data window that lie in the window.
     pub columns: Range<usize>,
-    /// Where the data window stands in the display window.
+    /// Where the data window stands in the window.
     pub offset: (i64, i64),
 }
 
 impl Rows {
-    /// Rows of the display window, with each one's index among the items that `visit` was given.
+    /// Rows of the window, with each one's index among the items that `visit` was given.
     pub fn rows(&self) -> impl Iterator<Item = (usize, usize)> + use<'_> {
         self.seen.clone().enumerate().map(|(i, row)| (i, (row as i64 + self.offset.1) as usize))
     }
 
-    /// Columns of the display window that have data.
+    /// Columns of the window that have data.
     pub fn columns(&self) -> Range<usize> {
-        let to_display = |column: usize| (column as i64 + self.offset.0) as usize;
-        to_display(self.columns.start)..to_display(self.columns.end)
+        let to_window = |column: usize| (column as i64 + self.offset.0) as usize;
+        to_window(self.columns.start)..to_window(self.columns.end)
     }
 
     /// Copies the seen samples of a channel in the `i`th of [`Rows::rows`].

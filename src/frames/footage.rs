@@ -143,11 +143,24 @@ impl Footage for Files {
     ) -> Result<Frame> {
         let picture = picture(&self.paths[index], &self.options)?;
         self.agrees(index, picture.header())?;
-        picture.decode(projection, recycled)
+        let frame = picture.decode(projection, recycled)?;
+        Ok(match self.gain(picture.header()) {
+            1.0 => frame,
+            gain => Frame { planes: frame.planes.scaled(gain), ..frame },
+        })
     }
 }
 
 impl Files {
+    /// The factor from a frame's own numbers to those of the first one: the luminances of (1, 1, 1)
+    /// may differ, where it is the files that tell them.
+    fn gain(&self, other: &Header) -> f32 {
+        match (self.options.own_white, &other.kind, other.white, self.header.white) {
+            (true, Kind::Rgb(_), Some(own), Some(first)) => (own.0 / first.0) as f32,
+            _ => 1.0,
+        }
+    }
+
     fn agrees(&self, index: usize, other: &Header) -> Result<()> {
         let (path, first) = (&self.paths[index], self.paths[0].display());
         let ours = &self.header;
@@ -158,7 +171,11 @@ impl Files {
             );
             return Err(Error::file(path, problem));
         }
-        if other.kind != ours.kind {
+        let same = match (&other.kind, &ours.kind) {
+            (Kind::Rgb(other), Kind::Rgb(ours)) => other.agrees(ours),
+            (other, ours) => other == ours,
+        };
+        if !same {
             let problem = format!(
                 "holds {}, but {first} holds {}",
                 described(&other.kind),

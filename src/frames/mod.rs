@@ -5,7 +5,8 @@
 //! * Footage from files, any format: `footage`; one format each: `exr_*`, `radiance`, `displayed`,
 //!   `envi*`.
 //! * What channels mean: `names`, `channels`. What is wrong with samples: `census`.
-//! * Files out: `written`, its blocks encoded by the crate `exr-blocks`; whole or not at all: [`atomic`].
+//! * Files out: `written`, its blocks encoded by the crate `exr-blocks`; whole or not at all:
+//!   [`atomic`].
 //! * What a file holds, for people: `inspect*`, `exr_description`.
 
 pub mod atomic;
@@ -20,6 +21,7 @@ mod exr_description;
 mod exr_file;
 mod exr_picture;
 mod exr_rows;
+mod exr_sampling;
 mod footage;
 mod inspect;
 mod inspect_text;
@@ -29,6 +31,7 @@ mod png_bytes;
 mod radiance;
 mod range;
 mod sequence;
+mod shown;
 mod state;
 mod written;
 
@@ -157,6 +160,9 @@ pub struct ReadOptions {
     pub negative: Negative,
     /// Declared sizes above this are refused before anything is allocated.
     pub max_pixels: u64,
+    /// RGB: whether the luminance of (1, 1, 1) is what each file tells (`whiteLuminance`), and not
+    /// what a configuration tells.
+    pub own_white: bool,
 }
 
 impl Default for ReadOptions {
@@ -170,6 +176,7 @@ impl Default for ReadOptions {
             non_finite: NonFinite::Error,
             negative: Negative::Keep,
             max_pixels: 268_435_456,
+            own_white: true,
         }
     }
 }

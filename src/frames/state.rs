@@ -33,8 +33,8 @@ pub fn read_state(path: &Path, max_pixels: u64) -> Result<Planes> {
         };
         places.push(part.place(channel));
     }
-    let width = part.width;
-    let mut samples = vec![0.0f32; 3 * width * part.height];
+    let width = part.width();
+    let mut samples = vec![0.0f32; 3 * width * part.height()];
     part.decode(&mut samples, 3 * width, |rows, out, _| {
         for (i, _) in rows.rows() {
             for (plane, &place) in places.iter().enumerate() {
@@ -42,7 +42,7 @@ pub fn read_state(path: &Path, max_pixels: u64) -> Result<Planes> {
             }
         }
     })?;
-    Ok(Planes { width, height: part.height, count: 3, samples: Samples::Float(samples) })
+    Ok(Planes { width, height: part.height(), count: 3, samples: Samples::Float(samples) })
 }
 
 #[cfg(test)]

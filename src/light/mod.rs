@@ -117,6 +117,20 @@ impl Planes {
         }
     }
 
+    /// Every sample times a number, as single floats.
+    pub fn scaled(self, factor: f32) -> Planes {
+        let mut floats = match self.samples {
+            Samples::Float(floats) => floats,
+            Samples::Half(halves) => {
+                let mut floats = vec![0.0; halves.len()];
+                widen(&halves, &mut floats);
+                floats
+            }
+        };
+        floats.iter_mut().for_each(|value| *value *= factor);
+        Planes { samples: Samples::Float(floats), ..self }
+    }
+
     /// The sample of plane `i` at column `x` of row `y`.
     pub fn at(&self, x: usize, y: usize, i: usize) -> f64 {
         let at = (y * self.count + i) * self.width + x;
