@@ -48,14 +48,14 @@ fn a_run_killed_at_any_moment_resumes_to_the_same_bytes() {
     assert_eq!(finish(folder.path(), &["--out", "whole"]), 0);
     let took = begun.elapsed();
     let whole = files(&folder.path().join("whole"));
-    assert_eq!(whole.len(), 60 * 3 + 4);
+    assert_eq!(whole.len(), 60 * 3 + 5);
     let mut killed = 0;
-    for moment in 0..20u32 {
+    for moment in 0..10u32 {
         let out = format!("killed{moment}");
         let mut child = start(folder.path(), &["--out", &out]);
         // An odd stride over the run's length, so that kills fall everywhere.
         std::thread::sleep(
-            took * (moment * 7 % 20) / 20 + Duration::from_millis(u64::from(moment)),
+            took * (moment * 7 % 10) / 10 + Duration::from_millis(u64::from(moment)),
         );
         killed += u32::from(child.try_wait().unwrap().is_none());
         child.kill().unwrap();
@@ -81,7 +81,7 @@ fn a_run_killed_at_any_moment_resumes_to_the_same_bytes() {
             .filter(|e| e.as_ref().unwrap().path().extension().is_some_and(|x| x == "tmp"));
         assert_eq!(left.count(), 0, "temporary files are swept up");
     }
-    assert!(killed > 5, "only {killed} of 20 runs were still going when killed");
+    assert!(killed > 2, "only {killed} of 10 runs were still going when killed");
 }
 
 /// Sends a signal to a run once a file is there.
@@ -147,19 +147,19 @@ fn a_folder_that_cannot_be_written_is_reported_as_such() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_disk_is_reported_and_leaves_no_half_picture() {
-    // /dev/full refuses every write: a table that cannot grow stops the run.
+fn a_table_that_cannot_grow_is_reported_and_leaves_no_half_picture() {
+    // Files may not grow beyond 64 blocks: a picture or a table of such a run stops it.
     let folder = tempfile::tempdir().unwrap();
-    let at = folder.path().join("o");
-    std::fs::create_dir(&at).unwrap();
-    std::os::unix::fs::symlink("/dev/full", at.join("trace.csv")).unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_sungaze"))
-        .args(RUN)
-        .args(["--out", "o", "--resume"])
-        .current_dir(folder.path())
-        .output()
-        .unwrap();
+    let limited = format!(
+        "trap '' XFSZ; ulimit -f 64; exec {} {} --out o --set input.width=400",
+        env!("CARGO_BIN_EXE_sungaze"),
+        RUN.join(" ")
+    );
+    let output =
+        Command::new("sh").args(["-c", &limited]).current_dir(folder.path()).output().unwrap();
     let told = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(1), "{told}");
-    assert!(told.contains("trace.csv") && told.contains("cannot write"), "{told}");
+    assert!(told.contains("seen.0001.exr") && told.contains("cannot write"), "{told}");
+    assert!(!folder.path().join("o/seen.0001.exr").exists());
+    assert_eq!(finish(folder.path(), &["--out", "o", "--set", "input.width=400", "--resume"]), 0);
 }

@@ -73,7 +73,7 @@ fn a_run_leaves_what_its_contract_says() {
     }
     assert_eq!(
         std::fs::read_dir(&o).unwrap().count(),
-        3 + 3 + 6,
+        3 + 3 + 7,
         "nothing else, no checkpoint, no temporary file"
     );
     let trace = std::fs::read_to_string(o.join("trace.csv")).unwrap();
@@ -136,6 +136,14 @@ fn an_eye_that_is_not_modelled_gives_back_the_files_own_pixels() {
 fn a_folder_with_something_in_it_is_refused_resumed_or_overwritten() {
     let folder = folder();
     std::fs::create_dir(folder.path().join("o")).unwrap();
+    std::fs::write(folder.path().join("o/mine.txt"), "mine").unwrap();
+    for flag in [&[][..], &["--resume"], &["--overwrite"]] {
+        let refused = run_small(folder.path(), &[&["--out", "o"], flag].concat());
+        assert_eq!(code(&refused), 2);
+        assert!(told(&refused).contains("mine.txt"), "{}", told(&refused));
+    }
+    std::fs::remove_file(folder.path().join("o/mine.txt")).unwrap();
+    assert_eq!(code(&run_small(folder.path(), &["--out", "o"])), 0);
     std::fs::write(folder.path().join("o/mine.txt"), "mine").unwrap();
     let refused = run_small(folder.path(), &["--out", "o"]);
     assert_eq!(code(&refused), 2);

@@ -80,7 +80,7 @@ fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
 fn every_duration_has_the_closed_form_of_the_light_that_it_reports() {
     let rows = table(&format!(
         "{SMALL}durations_s = [0, 1e-6, 0.01, 0.3, 1, 30, 1e3, 1e6]\n[[sweep.vary]]\nkey = \"input.sun_elevation_deg\"\nvalues = [0.25, 10]\n\
-         [[sweep.vary]]\nkey = \"gaze.at\"\nvalues = [[0.5, 0.5], [0.1, 0.1]]\n"
+         [[sweep.vary]]\nkey = \"gaze.at\"\nvalues = [[0.5, 0.5], [0.1, 0.1]]\n[numerics]\nmodel = \"tracked\"\n"
     ));
     assert_eq!(rows.len(), 4 * 8);
     for row in &rows {
@@ -212,6 +212,57 @@ fn finished_cases_are_kept_and_other_settings_are_refused_with_their_key() {
         "{}",
         told(&refused)
     );
+}
+
+#[test]
+fn a_folder_that_no_sweep_made_is_refused_and_strangers_files_in_a_case_stay() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("s.toml"), format!("{SMALL}durations_s = [0, 1]\n")).unwrap();
+    let backup = folder.path().join("o/case.0000/seen.backup.exr");
+    std::fs::create_dir_all(backup.parent().unwrap()).unwrap();
+    std::fs::write(&backup, "mine").unwrap();
+    for flag in [&[][..], &["--resume"], &["--overwrite"]] {
+        let refused = sungaze(folder.path(), &[&["s.toml", "--out", "o"], flag].concat());
+        assert_eq!(refused.status.code(), Some(2), "{}", told(&refused));
+    }
+    succeeds(folder.path(), &["s.toml", "--out", "p"]);
+    let mine = folder.path().join("p/case.0000/seen.0001.exr");
+    std::fs::write(&mine, "mine").unwrap();
+    let held = sungaze(folder.path(), &["s.toml", "--out", "p", "--overwrite"]);
+    assert_eq!(held.status.code(), Some(1), "{}", told(&held));
+    assert!(told(&held).contains("case.0000"), "{}", told(&held));
+    assert!([backup, mine].iter().all(|path| std::fs::read_to_string(path).unwrap() == "mine"));
+}
+
+#[test]
+fn a_case_that_has_lost_a_picture_is_done_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "[input]\nwidth = 64\n[sweep]\ndurations_s = [0, 1]\n";
+    std::fs::write(folder.path().join("s.toml"), text).unwrap();
+    succeeds(folder.path(), &["s.toml", "--out", "o"]);
+    let whole = files(&folder.path().join("o"));
+    std::fs::remove_file(folder.path().join("o/case.0000/seen.0002.exr")).unwrap();
+    succeeds(folder.path(), &["s.toml", "--out", "o"]);
+    assert_eq!(files(&folder.path().join("o")), whole);
+}
+
+#[test]
+fn sweeps_that_share_a_folder_do_not_harm_each_other() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "[input]\nwidth = 96\n[sweep]\ndurations_s = [0, 0.3, 1, 3]\n[[sweep.vary]]\nkey = \"observer.age\"\nvalues = [20, 40, 60]\n";
+    std::fs::write(folder.path().join("s.toml"), text).unwrap();
+    succeeds(folder.path(), &["s.toml", "--out", "whole"]);
+    let start = || {
+        let mut sweep = program(folder.path(), &["s.toml", "--out", "o"]);
+        sweep.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
+    };
+    let mut sweeps: Vec<_> = (0..4).map(|_| start()).collect();
+    std::thread::sleep(Duration::from_millis(60));
+    sweeps[1].kill().unwrap();
+    let codes: Vec<_> = sweeps.iter_mut().map(|sweep| sweep.wait().unwrap().code()).collect();
+    assert_eq!((codes[0], codes[2], codes[3]), (Some(0), Some(0), Some(0)));
+    succeeds(folder.path(), &["s.toml", "--out", "o"]);
+    assert_eq!(files(&folder.path().join("whole")), files(&folder.path().join("o")));
 }
 
 #[test]

@@ -2,7 +2,10 @@
 
 use std::fs::File;
 use std::io::{BufWriter, Seek, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+use tempfile::NamedTempFile;
 
 use crate::error::{Error, Result};
 
@@ -15,17 +18,62 @@ pub fn write_whole(
     path: &Path,
     fill: impl FnOnce(&mut dyn Sink) -> std::io::Result<()>,
 ) -> Result<()> {
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
+    written(path, fill).and_then(|beside| put_in_place(beside, path))
+}
+
+/// Writes a file that is whole even after a power cut.
+pub fn write_lasting(
+    path: &Path,
+    fill: impl FnOnce(&mut dyn Sink) -> std::io::Result<()>,
+) -> Result<()> {
+    let beside = written(path, fill)?;
+    beside.as_file().sync_all().map_err(Error::io(path, "write"))?;
+    put_in_place(beside, path)?;
+    sync_folder(folder_of(path));
+    Ok(())
+}
+
+/// Sees to it that written files survive a power cut. Files that are gone are passed over.
+pub fn sync_all(paths: &[PathBuf]) -> Result<()> {
+    let sync = |path: &PathBuf| match File::options().write(true).open(path) {
+        Err(gone) if gone.kind() == std::io::ErrorKind::NotFound => Ok(()),
+        opened => opened.and_then(|file| file.sync_all()).map_err(Error::io(path, "write")),
     };
+    paths.par_iter().try_for_each(sync)?;
+    if let Some(path) = paths.first() {
+        sync_folder(folder_of(path));
+    }
+    Ok(())
+}
+
+/// The same for the names in a folder, as far as the system can.
+pub fn sync_folder(folder: &Path) {
+    // Not every system opens folders, and then it needs no such care.
+    let _ = File::open(folder).and_then(|folder| folder.sync_all());
+}
+
+fn written(
+    path: &Path,
+    fill: impl FnOnce(&mut dyn Sink) -> std::io::Result<()>,
+) -> Result<NamedTempFile<File>> {
     let fail = || Error::io(path, "write");
-    let mut beside = beside(folder).map_err(fail())?;
+    let mut beside = beside(folder_of(path), ".tmp").map_err(fail())?;
     let mut sink = BufWriter::with_capacity(1 << 18, beside.as_file_mut());
     fill(&mut sink).and_then(|()| sink.flush()).map_err(fail())?;
     drop(sink);
-    beside.persist(path).map_err(|refused| fail()(refused.error))?;
-    Ok(())
+    Ok(beside)
+}
+
+fn put_in_place(beside: NamedTempFile<File>, path: &Path) -> Result<()> {
+    let renamed = beside.persist(path);
+    renamed.map(drop).map_err(|refused| Error::io(path, "write")(refused.error))
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
 }
 
 /// Writes a text file whole.
@@ -33,9 +81,10 @@ pub fn write_text(path: &Path, text: &str) -> Result<()> {
     write_whole(path, |sink| sink.write_all(text.as_bytes()))
 }
 
-fn beside(folder: &Path) -> std::io::Result<tempfile::NamedTempFile<File>> {
+/// A file of another name in the same folder, which goes away unless it is renamed.
+pub(crate) fn beside(folder: &Path, suffix: &str) -> std::io::Result<NamedTempFile<File>> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".sungaze-").suffix(".tmp");
+    builder.prefix(".sungaze-").suffix(suffix);
     // A temporary file is private by default; this one becomes a file like any other.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));

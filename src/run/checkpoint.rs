@@ -1,60 +1,67 @@
 //! A checkpoint: one file that holds everything the next frame depends on, bit for bit.
 //!
-//! A line of JSON, then the state of the eye and of the display in the postcard format. It appears whole or not at all,
-//! and is removed when the run is complete.
+//! A line that names the format, one struct as postcard writes it, and the SHA-256 of both. It
+//! appears whole or not at all, and is removed when the run is complete.
 
-use std::path::{Path, PathBuf};
+use std::io::Write;
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use sha2::{Digest, Sha256};
 
 use crate::error::{Error, Result};
 use crate::eye::State;
-use crate::frames::atomic::write_whole;
-use crate::run::report::Counters;
+use crate::frames::atomic::{Sink, write_lasting};
+use crate::run::inputs::Input;
+use crate::run::report::{Counters, Timing};
 
 /// Name of the file in the run's folder.
 pub const NAME: &str = "checkpoint.sungaze";
 
-/// Everything the next frame depends on.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Checkpoint {
-    pub head: Head,
-    /// The eye's own.
-    pub state: State,
-    /// Levels of the display's tone map.
-    pub map: Vec<f64>,
-}
+/// The first line of the file.
+const FORMAT: &[u8] = b"sungaze checkpoint\n";
 
-/// The part of a checkpoint that is JSON.
+/// Everything the next frame depends on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Head {
-    /// The resolved configuration; a resumed run must have the same.
-    pub config: Value,
+pub struct Checkpoint {
+    /// Of the program.
+    pub version: String,
+    /// Names the resolved configuration.
+    pub config: String,
     /// Steps that are complete.
     pub done: usize,
-    /// Number of the last complete frame.
-    pub last_frame: u32,
+    /// Names the numbers, files and times of those steps.
+    pub steps: String,
+    /// What was read for them.
+    pub inputs: Vec<Input>,
     pub counters: Counters,
-    /// Byte lengths of `trace.csv` and `probes.csv`; known when the checkpoint is written.
+    pub timing: Timing,
+    /// Byte lengths of `trace.csv` and `probes.csv`.
     pub lengths: [u64; 2],
+    /// Levels of the tone map.
+    pub map: Vec<f64>,
+    pub eye: State,
 }
 
 impl Checkpoint {
-    /// Writes the checkpoint of a run whose tables have these lengths.
-    pub fn write(&self, folder: &Path, lengths: [u64; 2]) -> Result<()> {
-        let path = folder.join(NAME);
-        let head = Head { lengths, ..self.head.clone() };
-        let head = serde_json::to_string(&head).map_err(|e| Error::file(&path, e.to_string()))?;
-        let state = postcard::to_stdvec(&(&self.state, &self.map))
-            .map_err(|e| Error::file(&path, e.to_string()))?;
-        write_whole(&path, |out| {
-            writeln!(out, "{head}")?;
-            out.write_all(&state)
+    /// Writes the checkpoint into a run's folder.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write(&self, folder: &Path) -> Result<()> {
+        write_lasting(&folder.join(NAME), |sink| {
+            let mut out = Digesting { sink, digest: Sha256::new() };
+            out.write_all(FORMAT)?;
+            postcard::to_io(self, &mut out).map_err(std::io::Error::other)?;
+            let digest = out.digest.finalize();
+            out.sink.write_all(&digest)
         })
     }
 
     /// Reads the checkpoint of a folder; `None` if there is none.
+    ///
+    /// # Errors
+    /// The file cannot be read, is damaged, or was left by another version.
     pub fn read(folder: &Path) -> Result<Option<Checkpoint>> {
         let path = folder.join(NAME);
         let bytes = match std::fs::read(&path) {
@@ -62,7 +69,10 @@ impl Checkpoint {
             Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(None),
             Err(e) => return Err(Error::io(&path, "read")(e)),
         };
-        parse(&bytes).map(Some).ok_or_else(|| damaged(&path))
+        let damaged = || {
+            Error::file(&path, "is not a checkpoint of this version; start again with --overwrite")
+        };
+        parse(&bytes).map(Some).ok_or_else(damaged)
     }
 
     /// Removes the checkpoint of a complete run.
@@ -77,72 +87,80 @@ impl Checkpoint {
     }
 }
 
-fn damaged(path: &PathBuf) -> Error {
-    Error::file(path, "is not a checkpoint of this version; start afresh with --overwrite")
-}
-
 fn parse(bytes: &[u8]) -> Option<Checkpoint> {
-    let end = bytes.iter().position(|&b| b == b'\n')?;
-    let head: Head = serde_json::from_slice(&bytes[..end]).ok()?;
-    let ((state, map), rest) = postcard::take_from_bytes(&bytes[end + 1..]).ok()?;
-    rest.is_empty().then_some(Checkpoint { head, state, map })
+    let (content, digest) = bytes.split_last_chunk::<32>()?;
+    if Sha256::digest(content)[..] != digest[..] {
+        return None;
+    }
+    let (checkpoint, rest) = postcard::take_from_bytes(content.strip_prefix(FORMAT)?).ok()?;
+    let checkpoint: Checkpoint = checkpoint;
+    (rest.is_empty() && checkpoint.version == env!("CARGO_PKG_VERSION")).then_some(checkpoint)
 }
 
-/// The first key in which two configurations differ, dotted.
-pub fn difference(a: &Value, b: &Value) -> Option<String> {
-    let (Value::Object(a), Value::Object(b)) = (a, b) else { return (a != b).then(String::new) };
-    let keys = a.keys().chain(b.keys().filter(|key| !a.contains_key(*key)));
-    keys.filter_map(|key| {
-        let inner =
-            difference(a.get(key).unwrap_or(&Value::Null), b.get(key).unwrap_or(&Value::Null))?;
-        Some(if inner.is_empty() { key.clone() } else { format!("{key}.{inner}") })
-    })
-    .next()
+/// A file and the digest of what was written to it.
+struct Digesting<'a> {
+    sink: &'a mut dyn Sink,
+    digest: Sha256,
+}
+
+impl Write for Digesting<'_> {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.sink.write_all(bytes)?;
+        self.digest.update(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.sink.flush()
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::colour::Primaries;
-    use crate::eye::{Eye, Gaze, Light};
-    use crate::units::{Degrees, Nits, Seconds};
-    use ndarray::Array3;
+    use crate::eye::{Eye, Light};
+    use crate::units::{Degrees, Nits};
 
-    #[test]
-    fn a_checkpoint_comes_back_bit_for_bit() {
-        let folder = tempfile::tempdir().unwrap();
-        let light = Light::rgb(Primaries::REC709, Nits(1e5));
-        let mut eye = Eye::new(light, [3, 2], Degrees(1.0)).unwrap();
-        let frame = Array3::<f32>::ones((2, 3, 3));
-        eye.look(frame.view(), Gaze([0.3, 0.7]), Seconds(1.0 / 3.0)).unwrap();
-        let head = Head {
-            config: serde_json::json!({ "a": { "b": 14.064145733929653 } }),
+    fn checkpoint() -> Checkpoint {
+        let light = Light::rgb(Primaries::REC709, Nits(100.0));
+        let eye = Eye::new(light, [3, 2], Degrees(1.0)).unwrap();
+        let input = Input { frame: Some(3), name: "a".into(), bytes: 7, sha256: "0f".into() };
+        Checkpoint {
+            version: env!("CARGO_PKG_VERSION").into(),
+            config: "c".into(),
             done: 7,
-            last_frame: 12,
+            steps: "s".into(),
+            inputs: vec![input],
             counters: Counters::default(),
-            lengths: [0; 2],
-        };
-        let written = Checkpoint { head, state: eye.state(), map: vec![-0.0, 0.1 + 0.2] };
-        written.write(folder.path(), [10, 20]).unwrap();
-        let read = Checkpoint::read(folder.path()).unwrap().unwrap();
-        let head = Head { lengths: [10, 20], ..written.head.clone() };
-        assert_eq!(read, Checkpoint { head, ..written });
-    }
-
-    #[test]
-    fn a_damaged_checkpoint_is_refused() {
-        let folder = tempfile::tempdir().unwrap();
-        for damage in ["", "{}", "{}\n12345678", "no JSON\n"] {
-            std::fs::write(folder.path().join(NAME), damage).unwrap();
-            assert!(Checkpoint::read(folder.path()).is_err(), "{damage:?}");
+            timing: Timing { wall_s: 0.1 + 0.2, ..Timing::default() },
+            lengths: [10, 20],
+            map: vec![-0.0, 14.064145733929653, f64::MIN_POSITIVE],
+            eye: eye.state(),
         }
     }
 
     #[test]
-    fn the_differing_key_is_named() {
-        let a = serde_json::json!({ "observer": { "age": 30, "eyes": 2 }, "time": {} });
-        let b = serde_json::json!({ "observer": { "age": 31, "eyes": 2 }, "time": {} });
-        assert_eq!(difference(&a, &b), Some("observer.age".into()));
-        assert_eq!(difference(&a, &a), None);
+    fn a_checkpoint_comes_back_bit_for_bit() {
+        let folder = tempfile::tempdir().unwrap();
+        assert_eq!(Checkpoint::read(folder.path()).unwrap(), None);
+        checkpoint().write(folder.path()).unwrap();
+        assert_eq!(Checkpoint::read(folder.path()).unwrap(), Some(checkpoint()));
+    }
+
+    #[test]
+    fn no_byte_of_a_checkpoint_can_be_changed_cut_off_or_added_unnoticed() {
+        let folder = tempfile::tempdir().unwrap();
+        checkpoint().write(folder.path()).unwrap();
+        let bytes = std::fs::read(folder.path().join(NAME)).unwrap();
+        assert!(parse(&bytes).is_some());
+        for at in 0..bytes.len() {
+            let mut changed = bytes.clone();
+            changed[at] ^= 1 << (at % 8);
+            assert_eq!(parse(&changed), None, "byte {at}");
+            assert_eq!(parse(&bytes[..at]), None, "cut at {at}");
+        }
+        assert_eq!(parse(&[&bytes[..], &[0]].concat()), None);
+        assert_eq!(parse(&[]), None);
     }
 }

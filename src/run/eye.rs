@@ -1,7 +1,7 @@
 //! The middle stage of a run: an eye that watches a scene, and what is noted of each look.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use ndarray::Array3;
 use serde_json::Value;
@@ -15,11 +15,12 @@ use crate::eye::retina::Retina;
 use crate::eye::{Eye, Look, Stimulus};
 use crate::frames;
 use crate::light::{Planes, Samples};
-use crate::run::checkpoint::{self, Checkpoint, Head};
+use crate::run::checkpoint::{self, Checkpoint};
 use crate::run::gaze::Gaze;
+use crate::run::inputs::{Input, digest_of_steps};
 use crate::run::reader::Loaded;
 use crate::run::record::{self, Probe, Reading};
-use crate::run::report::Counters;
+use crate::run::report::{Counters, Timing};
 use crate::run::scene::Scene;
 use crate::run::schedule::Step;
 use crate::run::writer::Finished;
@@ -36,7 +37,11 @@ pub(crate) struct Watching {
     pub state: StateKey,
     pub config: Value,
     pub done: usize,
-    pub busy: Duration,
+    /// Spent so far, but for what the writer spends meanwhile.
+    pub timing: Timing,
+    begun: Instant,
+    /// What was read so far.
+    pub inputs: Vec<Input>,
 }
 
 impl Watching {
@@ -52,30 +57,49 @@ impl Watching {
             state: config.settings.output.state,
             config: resolved,
             done: 0,
-            busy: Duration::ZERO,
+            timing: Timing::default(),
+            begun: Instant::now(),
+            inputs: Vec::new(),
         })
     }
 
     /// Takes up what [`Watching::checkpoint`] gave.
-    pub fn restore(&mut self, checkpoint: &Checkpoint) -> Result<()> {
-        let Checkpoint { head, state, map } = checkpoint.clone();
-        self.eye.restore(state).map_err(|e| Error::file(checkpoint::NAME, e.to_string()))?;
-        self.map = self.display.as_ref().and_then(|display| display.restore(map)).map(Arc::new);
-        (self.counters, self.done) = (head.counters, head.done);
+    ///
+    /// # Errors
+    /// The checkpoint is of another eye or display.
+    pub fn restore(&mut self, checkpoint: Checkpoint) -> Result<()> {
+        let damaged = |problem: String| Error::file(checkpoint::NAME, problem);
+        let Checkpoint { done, inputs, counters, timing, map, eye, .. } = checkpoint;
+        self.eye.restore(eye).map_err(|e| damaged(e.to_string()))?;
+        if let (Some(display), false) = (&self.display, map.is_empty()) {
+            let map = display.restore(map).ok_or_else(|| damaged("holds no tone map".into()))?;
+            self.map = Some(Arc::new(map));
+        }
+        (self.counters, self.done, self.inputs) = (counters, done, inputs);
+        self.timing = timing;
         Ok(())
     }
 
     /// Everything that the next frame depends on.
     pub fn checkpoint(&self, steps: &[Step]) -> Checkpoint {
-        let head = Head {
-            config: self.config.clone(),
+        Checkpoint {
+            version: env!("CARGO_PKG_VERSION").into(),
+            config: super::digest(self.config.to_string().as_bytes()),
             done: self.done,
-            last_frame: steps[self.done - 1].number,
+            steps: digest_of_steps(&steps[..self.done]),
+            inputs: self.inputs.clone(),
             counters: self.counters.clone(),
+            timing: self.spent(),
             lengths: [0; 2],
-        };
-        let map = self.map.as_ref().map_or(Vec::new(), |map| map.levels().to_vec());
-        Checkpoint { head, state: self.eye.state(), map }
+            map: self.map.as_ref().map_or(Vec::new(), |map| map.levels().to_vec()),
+            eye: self.eye.state(),
+        }
+    }
+
+    /// The time spent until now.
+    pub fn spent(&self) -> Timing {
+        let wall_s = self.timing.wall_s + self.begun.elapsed().as_secs_f64();
+        Timing { wall_s, ..self.timing }
     }
 
     /// The places of the sampled check: `None`: to be chosen on the first frame; none where a model
@@ -143,7 +167,7 @@ impl Watching {
             seen: look.percept,
         };
         self.done += 1;
-        self.busy += begun.elapsed();
+        self.timing.simulate_s += begun.elapsed().as_secs_f64();
         finished
     }
 

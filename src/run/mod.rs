@@ -8,11 +8,14 @@ pub mod checkpoint;
 mod eye;
 mod folder;
 mod gaze;
+pub(crate) mod inputs;
+pub(crate) mod manifest;
 pub(crate) mod plot;
 mod reader;
 pub mod record;
 mod rehearse;
 pub mod report;
+mod resume;
 mod scene;
 pub mod schedule;
 mod video;
@@ -37,12 +40,14 @@ use crate::page;
 
 use checkpoint::Checkpoint;
 pub(crate) use eye::Watching;
-use folder::Prepared;
-pub(crate) use folder::same;
+pub(crate) use folder::{Claim, owned, same};
 pub use folder::{Existing, not_empty};
 pub use gaze::Gaze;
+pub(crate) use inputs::tables;
 pub(crate) use reader::Loaded;
 pub use rehearse::rehearse;
+use report::Timing;
+use resume::Start;
 pub use scene::Scene;
 use schedule::Step;
 pub use watch::{Unwatched, Watch};
@@ -69,39 +74,35 @@ pub fn run(
     existing: Existing,
     watch: &dyn Watch,
 ) -> Result<Outcome> {
-    let begun = Instant::now();
     let resolved = resolved(&config.settings);
     // Everything that can be wrong is found before an earlier run's files are touched.
     config.compression()?;
     let scene = Scene::open(config)?;
-    let mut eye = Watching::new(config, &scene, resolved.clone())?;
-    let _mine = folder::Claim::new(folder)?;
-    let resume = match folder::prepare(folder, existing, &resolved)? {
-        Prepared::Complete(report) => return Ok(Outcome { went_on: false, already: true, report }),
-        Prepared::Resume(checkpoint) => Some(*checkpoint),
-        Prepared::Fresh => None,
+    let mut eye = Watching::new(config, &scene, resolved)?;
+    let _claim = Claim::new(folder, false)?;
+    let lengths = match resume::start(config, &scene, &mut eye, folder, existing, watch)? {
+        Start::Complete(report) => {
+            if !folder.join(&config.settings.output.video).is_file() {
+                film(config, &scene, folder, watch)?;
+            }
+            return Ok(Outcome { went_on: false, already: true, report });
+        }
+        Start::From(lengths) => Some(lengths),
+        Start::Fresh => {
+            eye.inputs = inputs::of_tables(config)?;
+            None
+        }
     };
-    if let Some(checkpoint) = &resume {
-        eye.restore(checkpoint)?;
-    }
     for note in &scene.footage.header().notes {
         watch.warn(note);
     }
-    let spent = stages(config, &scene, &mut eye, folder, resume.as_ref(), watch)?;
-    finish(config, &scene, eye, folder, spent, begun, watch)
+    let written = stages(config, &scene, &mut eye, folder, lengths, watch)?;
+    finish(config, &scene, eye, folder, written, watch)
 }
 
 /// The settings as JSON: what `report.json` shows and a resumed run is compared with.
 pub fn resolved(settings: &Settings) -> Value {
     serde_json::to_value(settings).unwrap_or(Value::Null)
-}
-
-/// Time spent in each stage.
-#[derive(Clone, Copy, Debug, Default)]
-struct Spent {
-    decode: Duration,
-    display: Duration,
-    encode: Duration,
 }
 
 /// Runs the three stages side by side.
@@ -110,11 +111,11 @@ fn stages(
     scene: &Scene,
     eye: &mut Watching,
     folder: &Path,
-    resume: Option<&Checkpoint>,
+    lengths: Option<[u64; 2]>,
     watch: &dyn Watch,
-) -> Result<Spent> {
+) -> Result<Timing> {
     let writer = writer(config, scene, &eye.config, folder)?;
-    let tables = Tables::open(folder, resume.map(|c| c.head.lengths))?;
+    let tables = Tables::open(folder, lengths)?;
     let steps = &scene.steps[eye.done..];
     let progress = (eye.done, scene.steps.len());
     let (to_eye, from_reader) = sync_channel(QUEUE);
@@ -136,10 +137,10 @@ fn stages(
         };
         let looked = look_at_all(config, scene, eye, links, watch);
         drop((from_reader, give_back));
-        let decode = join(reader);
+        join(reader);
         let written = join(writer)?;
         looked?;
-        Ok(Spent { decode, display: written.display, encode: written.encode })
+        Ok(written)
     })
 }
 
@@ -211,7 +212,8 @@ fn look_at_all(
 ) -> Result<()> {
     let every = Duration::from_secs_f64(config.settings.output.checkpoint_s);
     let mut last_checkpoint = Instant::now();
-    let mut held: Option<usize> = None;
+    // The file that was seen last: it was counted then.
+    let mut held: Option<usize> = eye.done.checked_sub(1).map(|last| scene.steps[last].file);
     while eye.done < scene.steps.len() {
         if watch.interrupted() {
             return stopped(scene, eye, &links, watch);
@@ -224,6 +226,8 @@ fn look_at_all(
         };
         if held != Some(step.file) {
             eye.counters.count(step.number, loaded.frame.tally);
+            eye.inputs.extend(loaded.input.clone());
+            eye.timing.decode_s += loaded.took_s;
             held = Some(step.file);
         }
         let begun = Instant::now();
@@ -272,8 +276,7 @@ fn finish(
     scene: &Scene,
     eye: Watching,
     folder: &Path,
-    spent: Spent,
-    begun: Instant,
+    written: Timing,
     watch: &dyn Watch,
 ) -> Result<Outcome> {
     let history = record::read_back(&folder.join("probes.csv"))?;
@@ -289,6 +292,8 @@ fn finish(
         watch.warn(warning);
         warnings.push(warning.clone());
     }
+    let mut timing = eye.spent();
+    timing.add(&written);
     let report = json!({
         "config": eye.config,
         "version": env!("CARGO_PKG_VERSION"),
@@ -307,16 +312,11 @@ fn finish(
             "mended": eye.counters.mended_frames,
             "held": eye.counters.held_frames,
         },
+        "inputs": eye.inputs,
         "warnings": warnings,
-        "timing": {
-            "decode_s": spent.decode.as_secs_f64(),
-            "simulate_s": eye.busy.as_secs_f64(),
-            "display_s": spent.display.as_secs_f64(),
-            "encode_s": spent.encode.as_secs_f64(),
-            "wall_s": begun.elapsed().as_secs_f64(),
-        },
+        "timing": timing,
     });
-    frames::atomic::write_text(&folder.join("report.json"), &format!("{report:#}\n"))?;
+    frames::atomic::write_lasting(&folder.join("report.json"), |to| writeln!(to, "{report:#}"))?;
     if config.settings.output.page {
         page::Report { title: &config.name, cases: vec![page::of_run(folder)?], report: &report }
             .write(folder)?;
@@ -332,7 +332,7 @@ fn film(config: &Config, scene: &Scene, folder: &Path, watch: &dyn Watch) -> Res
     if output.video == "none" {
         return Ok(());
     }
-    if let Some(command) = video::make(folder, &output.video, &scene.steps)? {
+    if let Some(command) = video::make(folder, &output.video, &scene.steps, watch)? {
         watch.warn(&format!(
             "ffmpeg is not on the PATH; this makes the film where it is: {command}"
         ));

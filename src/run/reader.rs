@@ -1,8 +1,9 @@
 //! The first stage of a run: decodes frames ahead of the eye.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use crate::error::{Error, Result};
 use crate::eye;
@@ -10,6 +11,7 @@ use crate::eye::check;
 use crate::frames::Footage;
 use crate::light::Survey;
 use crate::light::{Frame, Planes};
+use crate::run::inputs::Input;
 use crate::run::schedule::Step;
 use crate::vision::SampledSpectra;
 use crate::vision::Vision;
@@ -17,6 +19,10 @@ use crate::vision::Vision;
 /// A decoded frame and its luminances, on their way to the eye.
 pub struct Loaded {
     pub frame: Frame,
+    /// The file as it was read; none for a built-in scene.
+    pub input: Option<Input>,
+    /// How long it took to read, s.
+    pub took_s: f64,
     pub survey: Arc<Survey>,
     /// The places of the sampled check, and their spectra where frames hold bands.
     pub places: Arc<Vec<[usize; 2]>>,
@@ -26,6 +32,8 @@ pub struct Loaded {
 /// The footage as the reader sees it.
 pub struct Sequence<'a> {
     pub footage: &'a dyn Footage,
+    /// Its files, one a frame; none for a built-in scene.
+    pub files: &'a [PathBuf],
     pub vision: &'a Vision,
     pub pixels_per_degree: f64,
     /// The places to check: none, these, or (`None`) such as the first frame suggests.
@@ -69,19 +77,18 @@ impl Sequence<'_> {
                 "is brighter than 3.4e38 cd/m2 somewhere: check input.white_cd_m2 or input.scale";
             return Err(Error::file(format!("frame file {}", file + 1), problem));
         }
-        Ok(Loaded { frame, survey: Arc::new(survey), places, kept })
+        Ok(Loaded { frame, input: None, took_s: 0.0, survey: Arc::new(survey), places, kept })
     }
 }
 
 /// Reads the file of every step in order, each file that follows itself once, until the eye hangs
-/// up. `spent` holds planes to be written over. Returns the time spent in decoding.
+/// up. `spent` holds planes to be written over.
 pub fn read_all(
     mut sequence: Sequence<'_>,
     steps: &[Step],
     to_eye: &SyncSender<Result<Arc<Loaded>>>,
     spent: &Receiver<Planes>,
-) -> Duration {
-    let mut busy = Duration::ZERO;
+) {
     let mut last: Option<(usize, Arc<Loaded>)> = None;
     for step in steps {
         let frame = match &last {
@@ -89,10 +96,7 @@ pub fn read_all(
             _ => {
                 // Let go of the frame before, so that its planes can come back to be written over.
                 drop(last.take());
-                let begun = Instant::now();
-                let loaded = sequence.load(step.file, spent.try_recv().ok()).map(Arc::new);
-                busy += begun.elapsed();
-                loaded
+                read(&mut sequence, step, spent.try_recv().ok()).map(Arc::new)
             }
         };
         last = frame.as_ref().ok().map(|frame| (step.file, frame.clone()));
@@ -101,5 +105,13 @@ pub fn read_all(
             break;
         }
     }
-    busy
+}
+
+/// Digests and decodes the file of a step.
+fn read(sequence: &mut Sequence<'_>, step: &Step, recycled: Option<Planes>) -> Result<Loaded> {
+    let begun = Instant::now();
+    let file = sequence.files.get(step.file);
+    let input = file.map(|path| Input::of(path, Some(step.number))).transpose()?;
+    let loaded = sequence.load(step.file, recycled)?;
+    Ok(Loaded { input, took_s: begun.elapsed().as_secs_f64(), ..loaded })
 }

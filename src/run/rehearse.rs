@@ -46,7 +46,6 @@ pub fn rehearse(config: &Config, watch: &dyn Watch) -> Result<Value> {
     let per_megapixel = |time: Duration| 1e3 * time.as_secs_f64() / megapixel_frames;
     let mut plan = eye.eye.plan_report();
     plan["frames"] = json!(scene.steps.len());
-    plan["cost_ms_per_megapixel_frame"] =
-        json!({ "reading": per_megapixel(reading), "seeing": per_megapixel(eye.busy) });
+    plan["cost_ms_per_megapixel_frame"] = json!({ "reading": per_megapixel(reading), "seeing": per_megapixel(Duration::from_secs_f64(eye.timing.simulate_s)) });
     Ok(plan)
 }

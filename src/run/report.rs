@@ -112,6 +112,27 @@ impl Counters {
     }
 }
 
+/// Seconds spent, in all pieces of a run that was resumed; part of a checkpoint.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Timing {
+    pub decode_s: f64,
+    pub simulate_s: f64,
+    pub display_s: f64,
+    pub encode_s: f64,
+    pub wall_s: f64,
+}
+
+impl Timing {
+    /// Adds what another stage has spent.
+    pub fn add(&mut self, other: &Timing) {
+        self.decode_s += other.decode_s;
+        self.simulate_s += other.simulate_s;
+        self.display_s += other.display_s;
+        self.encode_s += other.encode_s;
+        self.wall_s += other.wall_s;
+    }
+}
+
 /// The `check` of a run whose model was asked for and is not meant to be true: nothing was
 /// compared.
 pub fn unchecked() -> Value {

@@ -1,6 +1,8 @@
 //! What is looked at, and by whom: footage, the observer's vision of it, and the frames in time.
 
 use crate::colour::Primaries;
+use std::path::PathBuf;
+
 use crate::config::Config;
 use crate::display::Display;
 use crate::error::Result;
@@ -18,6 +20,8 @@ pub struct Scene {
     pub vision: Vision,
     pub pixels_per_degree: f64,
     pub steps: Vec<Step>,
+    /// The files of its frames; none for the built-in scene.
+    pub files: Vec<PathBuf>,
     /// Numbers without a file, which show the frame before.
     pub held: Vec<u32>,
     white: Option<Nits>,
@@ -29,7 +33,7 @@ impl Scene {
         let Some(sequence) = config.sequence()? else {
             let footage = Box::new(config.scene());
             let steps = schedule::of_still(config)?;
-            return Scene::of(config, footage, steps, Vec::new(), builtin::FIELD_DEG);
+            return Scene::of(config, footage, steps, Default::default(), builtin::FIELD_DEG);
         };
         let footage = frames::open(&sequence.files, &config.read_options()?)?;
         let steps = if sequence.numbers.len() == 1 {
@@ -43,14 +47,14 @@ impl Scene {
             )?
         };
         let across = config.settings.input.horizontal_fov_deg.unwrap_or(builtin::FIELD_DEG);
-        Scene::of(config, footage, steps, sequence.held, across)
+        Scene::of(config, footage, steps, (sequence.files, sequence.held), across)
     }
 
     fn of(
         config: &Config,
         footage: Box<dyn Footage>,
         steps: Vec<Step>,
-        held: Vec<u32>,
+        (files, held): (Vec<PathBuf>, Vec<u32>),
         across: f64,
     ) -> Result<Scene> {
         let header = footage.header();
@@ -67,7 +71,7 @@ impl Scene {
                 })?
             }
         };
-        Ok(Scene { pixels_per_degree, vision, steps, held, white, footage })
+        Ok(Scene { pixels_per_degree, vision, steps, files, held, white, footage })
     }
 
     /// The eye of `[observer]`, `[numerics]` and `[gaze]` before its first look.
@@ -98,9 +102,10 @@ impl Scene {
     /// The footage for the reader. `places`: those to check; `None`: such as the first frame
     /// suggests.
     pub fn sequence(&self, places: Option<Vec<[usize; 2]>>) -> Sequence<'_> {
+        let files = &self.files;
         let (footage, vision, pixels_per_degree) =
             (&*self.footage, &self.vision, self.pixels_per_degree);
-        Sequence { footage, vision, pixels_per_degree, places }
+        Sequence { footage, files, vision, pixels_per_degree, places }
     }
 
     /// What the percept's files say of themselves.

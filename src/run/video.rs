@@ -4,48 +4,100 @@
 //! are kept: the film has the run's own frame rate where that is even, and shows each picture for
 //! its time at 24 frames a second where it is not.
 
+use std::io::{ErrorKind, Read, Seek};
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::time::Duration;
 
 use crate::error::{Error, Result};
-use crate::frames::atomic::write_text;
+use crate::frames::atomic;
 use crate::run::schedule::{Step, rate};
+use crate::run::watch::Watch;
 
 /// Name of the list of pictures, in the run's folder; removed when the film is made.
-const LIST: &str = "video.ffconcat";
+pub const LIST: &str = "video.ffconcat";
+
+/// How often a run that waits for ffmpeg asks whether it should stop.
+const OFTEN: Duration = Duration::from_millis(20);
 
 /// Frames a second of a film whose pictures last for different times.
 const UNEVEN_RATE: f64 = 24.0;
 
-/// Makes the film `name` in the folder. Where ffmpeg is not there, the list is left and the command
-/// to run returned.
-pub fn make(folder: &Path, name: &str, steps: &[Step]) -> Result<Option<String>> {
-    let path = folder.join(LIST);
-    write_text(&path, &list(steps))?;
-    let film = folder.join(name);
-    let arguments =
-        arguments(name, rate(steps).unwrap_or(UNEVEN_RATE), steps.last().map_or(0.0, Step::end));
-    let mut command = Command::new("ffmpeg");
-    command
-        .args(&arguments)
-        .current_dir(folder)
-        .stdin(Stdio::null())
-        .stdout(Stdio::null())
-        .stderr(Stdio::piped());
-    let output = match command.output() {
-        Ok(output) => output,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-            return Ok(Some(format!("cd {} && ffmpeg {}", folder.display(), quoted(&arguments))));
+/// Makes the film `name` in the folder: whole, or not at all. Where ffmpeg is not there, the list is
+/// left and the command to run returned.
+///
+/// # Errors
+/// ffmpeg failed, or the run was asked to stop.
+pub fn make(
+    folder: &Path,
+    name: &str,
+    steps: &[Step],
+    watch: &dyn Watch,
+) -> Result<Option<String>> {
+    let (path, film) = (folder.join(LIST), folder.join(name));
+    atomic::write_text(&path, &list(steps))?;
+    let ending = film.extension().unwrap_or_default().to_string_lossy();
+    let beside = atomic::beside(folder, &format!(".tmp.{ending}"));
+    let beside = beside.map_err(Error::io(&film, "write"))?.into_temp_path();
+    let rate = rate(steps).unwrap_or(UNEVEN_RATE);
+    let arguments = |to: &str| arguments(to, rate, steps.last().map_or(0.0, Step::end));
+    let unfinished = beside.file_name().unwrap_or_default().to_string_lossy();
+    match ffmpeg(folder, &arguments(&unfinished), watch)? {
+        Ffmpeg::Absent => {
+            let command = quoted(&arguments(name));
+            return Ok(Some(format!("cd {} && ffmpeg {command}", folder.display())));
         }
-        Err(error) => return Err(Error::io(film, "make")(error)),
-    };
-    if !output.status.success() {
-        let told = String::from_utf8_lossy(&output.stderr);
-        let last = told.lines().rfind(|line| !line.trim().is_empty()).unwrap_or("no message");
-        return Err(Error::file(film, format!("ffmpeg could not make it: {last}")));
+        Ffmpeg::Failed(problem) => {
+            return Err(Error::file(film, format!("ffmpeg could not make it: {problem}")));
+        }
+        Ffmpeg::Done => {}
     }
+    atomic::sync_all(&[beside.to_path_buf()])?;
+    beside.persist(&film).map_err(|refused| Error::io(&film, "write")(refused.error))?;
     std::fs::remove_file(&path).map_err(Error::io(&path, "remove"))?;
     Ok(None)
+}
+
+/// How ffmpeg ended.
+enum Ffmpeg {
+    Done,
+    /// It is not on the PATH.
+    Absent,
+    /// Its last words.
+    Failed(String),
+}
+
+/// Runs ffmpeg in a folder until it is done or the run is asked to stop.
+fn ffmpeg(folder: &Path, arguments: &[String], watch: &dyn Watch) -> Result<Ffmpeg> {
+    let failed = |doing| Error::io("ffmpeg", doing);
+    let mut told = tempfile::tempfile().map_err(failed("write what it says of"))?;
+    let words = told.try_clone().map_err(failed("write what it says of"))?;
+    let mut command = Command::new("ffmpeg");
+    command.args(arguments).current_dir(folder).stdin(Stdio::null()).stdout(Stdio::null());
+    let mut child = match command.stderr(words).spawn() {
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Ffmpeg::Absent),
+        spawned => spawned.map_err(failed("start"))?,
+    };
+    let status = loop {
+        if let Some(status) = child.try_wait().map_err(failed("wait for"))? {
+            break status;
+        }
+        if watch.interrupted() {
+            // Whether or not it is still there, it writes to a file that goes away.
+            let _ = child.kill();
+            let _ = child.wait();
+            return Err(Error::Interrupted { resumable: true });
+        }
+        std::thread::sleep(OFTEN);
+    };
+    if status.success() {
+        return Ok(Ffmpeg::Done);
+    }
+    let mut bytes = Vec::new();
+    told.rewind().and_then(|()| told.read_to_end(&mut bytes)).map_err(failed("hear"))?;
+    let words = String::from_utf8_lossy(&bytes);
+    let last = words.lines().rfind(|line| !line.trim().is_empty()).unwrap_or("no message");
+    Ok(Ffmpeg::Failed(last.escape_debug().to_string()))
 }
 
 /// The pictures with their durations, in a time base of 1 ms. The last is named twice: ffmpeg gives

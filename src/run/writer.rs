@@ -1,18 +1,22 @@
 //! The last stage of a run: tone-maps, encodes and writes, in order, behind the eye.
 
 use std::fs::{File, OpenOptions};
-use std::io::Write;
+use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use crate::display::{Display, ToneMap};
 use crate::error::{Error, Result};
-use crate::frames::{self, About, Compression};
+use crate::frames::{self, About, Compression, atomic};
 use crate::light::Planes;
 use crate::run::checkpoint::Checkpoint;
+use crate::run::report::Timing;
 use crate::run::watch::Watch;
+
+/// Files that may wait to be synced together.
+const MOST_UNSYNCED: usize = 1000;
 
 /// What goes from the eye to the disk.
 pub enum Delivery {
@@ -45,13 +49,6 @@ pub struct Writer<'a> {
     pub digest: String,
 }
 
-/// Time spent by the writer.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Spent {
-    pub display: Duration,
-    pub encode: Duration,
-}
-
 /// The two tables of a run, which grow by whole rows.
 pub struct Tables {
     trace: (PathBuf, File),
@@ -60,18 +57,16 @@ pub struct Tables {
 
 impl Tables {
     /// Opens both tables, cut to the lengths of a checkpoint or begun with their headers.
+    ///
+    /// # Errors
+    /// A table cannot be written, or is shorter than the checkpoint says.
     pub fn open(folder: &Path, lengths: Option<[u64; 2]>) -> Result<Tables> {
-        let open = |name: &str, header: &str, length: Option<u64>| -> Result<(PathBuf, File)> {
+        let open = |name: &str, header: &str, length: Option<u64>| {
             let path = folder.join(name);
-            let opened = OpenOptions::new().create(true).write(true).truncate(false).open(&path);
-            let mut file = opened.map_err(Error::io(&path, "write"))?;
-            let begin = |file: &mut File| -> std::io::Result<()> {
-                use std::io::Seek;
-                file.set_len(length.unwrap_or(0))?;
-                file.seek(std::io::SeekFrom::End(0))?;
-                if length.is_none() { file.write_all(header.as_bytes()) } else { Ok(()) }
+            let file = match length {
+                Some(length) => cut(&path, length)?,
+                None => begun(&path, header).map_err(Error::io(&path, "write"))?,
             };
-            begin(&mut file).map_err(Error::io(&path, "write"))?;
             Ok((path, file))
         };
         Ok(Tables {
@@ -98,6 +93,33 @@ impl Tables {
     }
 }
 
+/// A new table; a link in its place is not followed.
+fn begun(path: &Path, header: &str) -> std::io::Result<File> {
+    let mut file = File::create_new(path)?;
+    file.write_all(header.as_bytes())?;
+    Ok(file)
+}
+
+/// A table that goes on after its first `length` bytes.
+fn cut(path: &Path, length: u64) -> Result<File> {
+    let there = std::fs::symlink_metadata(path).map_err(Error::io(path, "read"))?;
+    if !there.is_file() || there.len() < length {
+        let problem = format!(
+            "has lost rows since the checkpoint: it had {length} bytes then and has {} now; start \
+             again with --overwrite",
+            there.len()
+        );
+        return Err(Error::file(path, problem));
+    }
+    let continued = || {
+        let mut file = OpenOptions::new().write(true).open(path)?;
+        file.set_len(length)?;
+        file.seek(std::io::SeekFrom::End(0))?;
+        Ok(file)
+    };
+    continued().map_err(Error::io(path, "write"))
+}
+
 impl Writer<'_> {
     /// Writes everything that arrives, in order, until the eye hangs up. Percepts go back to be
     /// written over.
@@ -108,47 +130,62 @@ impl Writer<'_> {
         give_back: &SyncSender<Planes>,
         watch: &dyn Watch,
         (mut done, total): (usize, usize),
-    ) -> Result<Spent> {
-        let mut spent = Spent::default();
+    ) -> Result<Timing> {
+        let mut spent = Timing::default();
+        // What a checkpoint or the report counts on must survive a power cut.
+        let mut unsynced = Vec::new();
         for delivery in from_eye {
             match delivery {
                 Delivery::Frame(frame) => {
-                    self.write(&frame, &mut spent)?;
+                    unsynced.extend(self.write(&frame, &mut spent)?);
                     tables.append(&frame.trace, &frame.probes)?;
                     // A full queue only means that the planes are dropped here.
                     let _ = give_back.try_send(frame.seen);
                     done += 1;
                     watch.frames(done, total);
                 }
-                Delivery::Checkpoint(checkpoint) => {
-                    checkpoint.write(self.folder, tables.lengths()?)?
+                Delivery::Checkpoint(mut checkpoint) => {
+                    atomic::sync_all(&std::mem::take(&mut unsynced))?;
+                    checkpoint.lengths = tables.lengths()?;
+                    checkpoint.timing.add(&spent);
+                    checkpoint.write(self.folder)?
                 }
             }
+            if unsynced.len() > MOST_UNSYNCED {
+                atomic::sync_all(&std::mem::take(&mut unsynced))?;
+            }
         }
+        atomic::sync_all(&unsynced)?;
+        tables.lengths()?;
         Ok(spent)
     }
 
-    /// Writes one frame's pictures and state.
-    pub fn write(&self, frame: &Finished, spent: &mut Spent) -> Result<()> {
+    /// Writes one frame's pictures and state, and says which files those are.
+    pub fn write(&self, frame: &Finished, spent: &mut Timing) -> Result<Vec<PathBuf>> {
         let begun = Instant::now();
         let picture = frame.map.as_ref().map(|map| self.picture(&frame.seen, map));
-        spent.display += begun.elapsed();
+        spent.display_s += begun.elapsed().as_secs_f64();
         let begun = Instant::now();
+        let (mut written, number) = (Vec::new(), frame.number);
+        let mut named = |name: String| {
+            written.push(self.folder.join(name));
+            written[written.len() - 1].clone()
+        };
         if self.seen {
-            let path = self.folder.join(format!("seen.{:04}.exr", frame.number));
+            let path = named(format!("seen.{number:04}.exr"));
             frames::write_exr(&path, &["R", "G", "B"], &frame.seen, self.compression, &self.about)?;
         }
         if let Some(rgb) = picture {
-            let path = self.folder.join(format!("display.{:04}.png", frame.number));
+            let path = named(format!("display.{number:04}.png"));
             frames::write_png(&path, frame.seen.width, frame.seen.height, &rgb)?;
         }
         if let Some((number, planes, time)) = &frame.state {
-            let name = number.map_or("state.exr".into(), |n| format!("state.{n:04}.exr"));
+            let path = named(number.map_or("state.exr".into(), |n| format!("state.{n:04}.exr")));
             let note = serde_json::json!({ "time_s": time, "config": self.digest }).to_string();
-            frames::write_state(&self.folder.join(name), planes, &note)?;
+            frames::write_state(&path, planes, &note)?;
         }
-        spent.encode += begun.elapsed();
-        Ok(())
+        spent.encode_s += begun.elapsed().as_secs_f64();
+        Ok(written)
     }
 
     /// The percept as sRGB bytes.

@@ -1,9 +1,8 @@
-//! The sweep's folder: `sweep.json` says which sweep it is, `case.0000` what one case left.
+//! The sweep's folder: its manifest says which sweep it is, `case.0000` holds what one case left.
 //!
-//! A case is finished when its `case.json` is there, which is written last and names the sweep and
-//! the case's rows by digests. So any number of processes may work in one folder, stop at any
-//! moment and begin again: finished cases are kept, and a half-done one is done anew. Half-written
-//! files never appear (see [`atomic`]).
+//! A case is made in a folder of its own beside, and renamed when it is whole: `case.json`, in it, names the sweep
+//! and the case's rows by digests. So any number of processes may work in one folder, at once or one after the
+//! other, stop at any moment and begin again: finished cases are kept, and the others are done anew.
 
 use std::path::{Path, PathBuf};
 
@@ -14,20 +13,25 @@ use crate::config::{Config, Sweep};
 use crate::error::{Error, Result};
 use crate::frames::{self, atomic};
 use crate::page;
-use crate::run::{self, Existing};
+use crate::run::manifest::{self, Kind, Manifest};
+use crate::run::{self, Claim, Existing};
 
-/// Which sweep a folder holds.
-const SETTINGS: &str = "sweep.json";
 /// What is made of all cases.
 pub const TABLE: &str = "sweep.csv";
 pub const CONTACT: &str = "contact.png";
 pub const PLOT: &str = "sweep.svg";
 
-/// A folder that holds one sweep.
+/// What is made once of all cases.
+const OF_ALL: [&str; 4] = [TABLE, CONTACT, PLOT, page::REPORT];
+/// What is made once of a case.
+const OF_CASE: [&str; 4] = [manifest::NAME, "cells.csv", "cells.png", "case.json"];
+
+/// A folder that holds one sweep, and the claim on it.
 pub struct Folder {
     pub path: PathBuf,
     /// Names the sweep.
     pub digest: String,
+    _claim: Claim,
 }
 
 /// `case.json`: what the sheet and the plot need beside the pictures and rows.
@@ -76,55 +80,54 @@ pub struct Left {
 }
 
 impl Folder {
-    /// Makes a folder ready: empty, or holding the same sweep. With [`Existing::Overwrite`], what
-    /// an earlier sweep left is removed: all of it, or one case.
+    /// Makes a folder ready: empty, or holding the same sweep. With [`Existing::Overwrite`], what an earlier sweep
+    /// left is removed: all of it, or one case. `inputs`: the files that the sweep reads.
+    ///
+    /// # Errors
+    /// The folder is not the program's, holds an input or another sweep, or another process holds it.
     pub fn prepare(
         path: &Path,
         existing: Existing,
-        config: &Config,
-        sweep: &Sweep,
+        manifest: Manifest,
+        inputs: &[PathBuf],
         only: Option<usize>,
     ) -> Result<Self> {
-        std::fs::create_dir_all(path).map_err(Error::io(path, "create"))?;
-        let settings = settings(config, sweep);
-        let text = format!("{settings:#}\n");
-        let folder = Folder { path: path.to_owned(), digest: run::digest(text.as_bytes()) };
-        match (existing, only) {
-            (Existing::Overwrite, Some(case)) => clear(&folder.case(case))?,
-            (Existing::Overwrite, None) => folder.clear()?,
-            _ => folder.held_to(&settings)?,
+        let alone = existing == Existing::Overwrite && only.is_none();
+        let claim = Claim::new(path, !alone)?;
+        let digest = run::digest(manifest.config.to_string().as_bytes());
+        let folder = Folder { path: path.to_owned(), digest, _claim: claim };
+        let own = |name: &String| name == manifest::NAME || manifest::is_temporary(name);
+        if !manifest::entries(path)?.iter().all(own) {
+            let earlier = run::owned(path, Kind::Sweep, inputs)?;
+            match only {
+                _ if alone => folder.clear(&earlier)?,
+                Some(case) if existing == Existing::Overwrite => clear(&folder.case(case))?,
+                _ => run::same(path, &earlier.config, &manifest.config)?,
+            }
         }
-        let there = std::fs::read_to_string(path.join(SETTINGS)).is_ok_and(|there| there == text);
-        if !there {
-            atomic::write_text(&path.join(SETTINGS), &text)?;
+        folder.tidy()?;
+        if Manifest::read(path)?.as_ref() != Some(&manifest) {
+            manifest.write(path)?;
         }
         Ok(folder)
     }
 
-    /// Refuses a folder that holds another sweep, or anything else.
-    fn held_to(&self, settings: &Value) -> Result<()> {
-        if let Ok(text) = std::fs::read_to_string(self.path.join(SETTINGS)) {
-            let earlier = serde_json::from_str(&text).unwrap_or(Value::Null);
-            return run::same(&self.path, &earlier, settings);
-        }
-        let foreign = names(&self.path)?
-            .into_iter()
-            .find(|name| !is_ours(name) && case_number(name).is_none());
-        foreign.map_or(Ok(()), |name| {
-            let problem =
-                format!("holds {name:?} and no sweep: give another folder, or --overwrite to use it all the same");
-            Err(Error::config("--out", self.path.display().to_string(), problem))
-        })
+    fn clear(&self, manifest: &Manifest) -> Result<()> {
+        let entries = manifest::entries(&self.path)?;
+        let cases = entries.iter().filter(|name| case_number(name).is_some());
+        cases.map(|name| self.path.join(name)).try_for_each(|case| clear(&case))?;
+        manifest.remove(&self.path, |_| true)
     }
 
-    fn clear(&self) -> Result<()> {
-        for name in names(&self.path)? {
-            if case_number(&name).is_some() {
-                clear(&self.path.join(&name))?;
-            } else if is_ours(&name) {
-                remove(&self.path.join(&name))?;
-            }
+    /// Removes what processes that were killed left beside, if no other process is at work.
+    fn tidy(&self) -> Result<()> {
+        let left: Vec<String> = manifest::entries(&self.path)?;
+        let mut left = left.iter().filter(|name| manifest::is_temporary(name)).peekable();
+        if left.peek().is_none() || !self._claim.try_hold(false) {
+            return Ok(());
         }
+        left.try_for_each(|name| manifest::discard(&self.path.join(name)))?;
+        self._claim.try_hold(true);
         Ok(())
     }
 
@@ -133,7 +136,7 @@ impl Folder {
         self.path.join(format!("case.{number:04}"))
     }
 
-    /// Whether a case of this very sweep is finished and its rows are whole.
+    /// Whether a case of this very sweep is finished, all of its files are there and its rows are whole.
     pub fn is_finished(&self, number: usize) -> bool {
         self.done(number).is_some()
     }
@@ -142,16 +145,53 @@ impl Folder {
         let text = std::fs::read_to_string(self.case(number).join("case.json")).ok()?;
         let done: Done =
             serde_json::from_str(&text).ok().filter(|done: &Done| done.digest == self.digest)?;
-        let rows = std::fs::read(self.case(number).join("cells.csv")).ok()?;
-        (run::digest(&rows) == done.rows).then_some(done)
+        let case = self.case(number);
+        let rows = std::fs::read(case.join("cells.csv")).ok()?;
+        let files = Manifest::read(&case).ok()??.files;
+        let whole = files.iter().all(|name| case.join(name).is_file());
+        (whole && run::digest(&rows) == done.rows).then_some(done)
     }
 
-    /// Begins a case: its folder is there, without what a stopped process left in it.
-    pub fn begin(&self, number: usize) -> Result<PathBuf> {
-        let path = self.case(number);
-        clear(&path)?;
-        std::fs::create_dir_all(&path).map_err(Error::io(&path, "create"))?;
-        Ok(path)
+    /// A folder beside for a case that is begun; it goes away unless the case is finished.
+    pub fn begin(&self, number: usize) -> Result<tempfile::TempDir> {
+        let prefix = format!(".sungaze-case.{number:04}-");
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(&prefix).suffix(".tmp");
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o777));
+        builder.tempdir_in(&self.path).map_err(Error::io(&self.path, "write into"))
+    }
+
+    /// Leaves what a case is known by, and gives its folder its name: from then on it is finished. Where another
+    /// process has finished the same case meanwhile, its folder stays.
+    pub fn finish(&self, number: usize, beside: tempfile::TempDir, left: &Left) -> Result<()> {
+        let (path, width) = (beside.path(), left.done.size[0]);
+        atomic::write_text(&path.join("cells.csv"), &left.rows)?;
+        let height = left.pictures.len() / (3 * width);
+        frames::write_png(&path.join("cells.png"), width, height, &left.pictures)?;
+        atomic::write_text(&path.join("case.json"), &format!("{}\n", json!(left.done)))?;
+        let names = manifest::entries(path)?;
+        let names: Vec<&str> = names.iter().map(String::as_str).chain(OF_CASE).collect();
+        Manifest::new(Kind::Case, Value::Null, &names, &[]).write(path)?;
+        atomic::sync_all(
+            &manifest::entries(path)?.iter().map(|name| path.join(name)).collect::<Vec<_>>(),
+        )?;
+        let case = self.case(number);
+        if !self.is_finished(number) {
+            clear(&case)?;
+        }
+        match std::fs::rename(path, &case) {
+            Err(_) if self.is_finished(number) => return Ok(()),
+            Err(_) if case.exists() => {
+                let problem = "holds something that no sweep has left: move it away";
+                return Err(Error::file(case, problem));
+            }
+            renamed => renamed.map_err(Error::io(&case, "write"))?,
+        }
+        // What was renamed is not there to be removed.
+        let _ = beside.keep();
+        atomic::sync_folder(&self.path);
+        Ok(())
     }
 
     /// Makes the page of all cases.
@@ -163,28 +203,6 @@ impl Folder {
         let report = json!({ "config": run::resolved(&config.settings), "version": env!("CARGO_PKG_VERSION") });
         let cases = page::of_sweep(&self.path, &sweep.keys)?;
         page::Report { title: &config.name, cases, report: &report }.write(&self.path)
-    }
-
-    /// Removes what processes that were stopped in the middle of a file left beside it.
-    pub fn tidy(&self) -> Result<()> {
-        let names = names(&self.path)?;
-        names
-            .iter()
-            .filter(|name| is_temporary(name))
-            .try_for_each(|name| remove(&self.path.join(name)))
-    }
-
-    /// Leaves what a case is known by; from then on it is finished.
-    pub fn finish(&self, number: usize, left: &Left) -> Result<()> {
-        let (path, width) = (self.case(number), left.done.size[0]);
-        atomic::write_text(&path.join("cells.csv"), &left.rows)?;
-        frames::write_png(
-            &path.join("cells.png"),
-            width,
-            left.pictures.len() / (3 * width),
-            &left.pictures,
-        )?;
-        atomic::write_text(&path.join("case.json"), &format!("{}\n", json!(left.done)))
     }
 
     /// What a finished case left.
@@ -206,8 +224,9 @@ impl Folder {
     }
 }
 
-/// Everything that the sweep's files depend on. Read back from text, as an earlier sweep's is.
-fn settings(config: &Config, sweep: &Sweep) -> Value {
+/// The manifest of a sweep. Its settings are everything that the files depend on, read back from text as those of an
+/// earlier sweep are.
+pub fn manifest(config: &Config, sweep: &Sweep) -> Manifest {
     let mut settings = run::resolved(&config.settings);
     let lists = config.settings.sweep.iter().flat_map(|keys| &keys.vary);
     let vary: Vec<String> =
@@ -215,7 +234,11 @@ fn settings(config: &Config, sweep: &Sweep) -> Value {
     settings["sweep"] =
         json!({ "durations_s": sweep.durations, "pictures": sweep.pictures, "vary": vary });
     settings["version"] = env!("CARGO_PKG_VERSION").into();
-    serde_json::from_str(&settings.to_string()).unwrap_or(settings)
+    let settings = serde_json::from_str(&settings.to_string()).unwrap_or(settings);
+    // A sheet that goes on has no more pages than there are cases.
+    let pages: Vec<String> = (2..=sweep.cases.len()).map(|n| format!("contact.{n}.png")).collect();
+    let files: Vec<&str> = OF_ALL.into_iter().chain(pages.iter().map(String::as_str)).collect();
+    Manifest::new(Kind::Sweep, settings, &files, &[])
 }
 
 fn toml_list(values: &[impl std::fmt::Display]) -> String {
@@ -223,54 +246,19 @@ fn toml_list(values: &[impl std::fmt::Display]) -> String {
     format!("[{}]", values.join(", "))
 }
 
-fn names(folder: &Path) -> Result<Vec<String>> {
-    let entries = std::fs::read_dir(folder).map_err(Error::io(folder, "read"))?;
-    entries
-        .map(|entry| {
-            Ok(entry.map_err(Error::io(folder, "read"))?.file_name().to_string_lossy().into_owned())
-        })
-        .collect()
-}
-
 fn case_number(name: &str) -> Option<usize> {
     name.strip_prefix("case.")?.parse().ok()
 }
 
-/// Files of the sweep's folder, or of a case's, that a sweep writes.
-fn is_ours(name: &str) -> bool {
-    let fixed =
-        [SETTINGS, TABLE, CONTACT, PLOT, page::REPORT, "cells.csv", "cells.png", "case.json"];
-    let begins = |head: &str, tail: &str| name.starts_with(head) && name.ends_with(tail);
-    fixed.contains(&name)
-        || begins("contact.", ".png")
-        || begins("seen.", ".exr")
-        || begins("display.", ".png")
-        || is_temporary(name)
-}
-
-fn is_temporary(name: &str) -> bool {
-    name.starts_with(".sungaze-") && name.ends_with(".tmp")
-}
-
 /// Removes what a case left. Other people's files stay, and so does a folder that holds them.
 fn clear(case: &Path) -> Result<()> {
-    if !case.is_dir() {
+    let is_folder = std::fs::symlink_metadata(case).is_ok_and(|there| there.is_dir());
+    let Some(manifest) = is_folder.then(|| Manifest::read(case)).transpose()?.flatten() else {
         return Ok(());
-    }
-    names(case)?
-        .iter()
-        .filter(|name| is_ours(name))
-        .try_for_each(|name| remove(&case.join(name)))?;
+    };
+    manifest.remove(case, |name| name != manifest::NAME)?;
+    manifest::discard(&case.join(manifest::NAME))?;
     // A folder that is not empty now holds something of the user's.
     let _ = std::fs::remove_dir(case);
     Ok(())
-}
-
-fn remove(path: &Path) -> Result<()> {
-    match std::fs::remove_file(path) {
-        Err(refused) if refused.kind() != std::io::ErrorKind::NotFound => {
-            Err(Error::io(path, "remove")(refused))
-        }
-        _ => Ok(()),
-    }
 }

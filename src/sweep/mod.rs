@@ -28,7 +28,8 @@ use crate::config::{Case, Config, Sweep};
 use crate::display::ToneMap;
 use crate::error::{Error, Result};
 use crate::frames::atomic;
-use crate::run::writer::{Finished, Spent};
+use crate::run::report::Timing;
+use crate::run::writer::Finished;
 use crate::run::{self, Existing, Loaded, Scene, Watch};
 use crate::units::Seconds;
 
@@ -73,7 +74,10 @@ pub fn sweep(
     let asked = asked(&sweep, part)?;
     let opened = asked.iter().map(|case| Opened::new(case, &sweep)).collect::<Result<Vec<_>>>()?;
     let only = (part != Part::All).then(|| asked.first().map_or(usize::MAX, |case| case.number));
-    let folder = Folder::prepare(path, existing, config, &sweep, only)?;
+    let inputs: BTreeSet<PathBuf> = opened.iter().flat_map(Opened::inputs).collect();
+    let inputs: Vec<PathBuf> = inputs.into_iter().collect();
+    let manifest = folder::manifest(config, &sweep);
+    let folder = Folder::prepare(path, existing, manifest, &inputs, only)?;
     let (kept, pending): (Vec<_>, Vec<_>) =
         opened.into_iter().partition(|opened| folder.is_finished(opened.case.number));
     warn_of_display(&sweep, watch);
@@ -146,6 +150,11 @@ impl<'a> Opened<'a> {
         open().map_err(|error| case.located(error))
     }
 
+    /// The files that it reads.
+    fn inputs(&self) -> Vec<PathBuf> {
+        self.scene.files.iter().cloned().chain(run::tables(&self.case.config)).collect()
+    }
+
     fn first_file(&self) -> usize {
         self.spans.first().map_or(0, |span| span.file)
     }
@@ -207,9 +216,13 @@ impl Cells<'_> {
         cells: usize,
     ) -> Result<()> {
         let Opened { case, scene, spans } = opened;
-        let path = self.folder.begin(case.number)?;
+        if self.folder.is_finished(case.number) {
+            // Another process was quicker.
+            return Ok(());
+        }
+        let beside = self.folder.begin(case.number)?;
         let writer =
-            run::writer(&case.config, scene, &run::resolved(&case.config.settings), &path)?;
+            run::writer(&case.config, scene, &run::resolved(&case.config.settings), beside.path())?;
         let mut eye = CaseEye::new(&case.config, scene)?;
         let (mut file, mut light) = (opened.first_file(), first.clone());
         let planes = &first.frame.planes;
@@ -237,7 +250,7 @@ impl Cells<'_> {
             steady = seen.steady;
             if self.sweep.pictures {
                 let cell = finished(case, cell, seen.look.percept, map);
-                writer.write(&cell, &mut Spent::default())?;
+                writer.write(&cell, &mut Timing::default())?;
             }
             self.watch.frames(self.done.fetch_add(1, Ordering::Relaxed) + 1, cells);
         }
@@ -253,7 +266,7 @@ impl Cells<'_> {
             past_limit: past_limit.map(|words| format!("case {}, {words}", case.number)),
             steady: steady.collect(),
         };
-        self.folder.finish(case.number, &Left { done, rows, pictures })
+        self.folder.finish(case.number, beside, &Left { done, rows, pictures })
     }
 }
 
@@ -313,6 +326,5 @@ fn gather(sweep: &Sweep, folder: &Folder, left: &[Left]) -> Result<PathBuf> {
     contact::write(&folder.path.join(folder::CONTACT), sweep, left)?;
     plot::write(&folder.path.join(folder::PLOT), sweep, left)?;
     folder.write_page(sweep)?;
-    folder.tidy()?;
     Ok(table)
 }
