@@ -1,22 +1,30 @@
-//! What the charts claim, read from the tables that they write.
+//! What the charts claim, read from the tables that they write, and what their pictures say.
 
 use std::path::Path;
-use sungaze::chart::CHARTS;
+use sungaze::chart::{CHARTS, observer};
 
-/// Make one chart and return the rows of its table, without the header.
-fn rows(name: &str) -> Vec<Vec<String>> {
+/// Makes one chart and returns the rows of its table, without the header. Its SVG says `words`, and
+/// its PNG is twice as large as the SVG, on white.
+fn rows(name: &str, sets: &[&str], words: &[&str]) -> Vec<Vec<String>> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let chart = CHARTS.iter().find(|chart| chart.name == name).expect("a chart of that name");
-    let mut lines = 0;
-    (chart.write)(folder.path(), &mut |_| lines += 1).expect("the chart is written");
+    let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+    let (mut lines, observer) = (0, observer(&sets).expect("an observer"));
+    chart.write(folder.path(), &observer, &mut |_| lines += 1).expect("the chart is written");
     assert!(lines > 0, "progress is told");
-    let stem = name.replace('-', "_");
-    for picture in ["svg", "png"] {
-        let bytes =
-            std::fs::read(folder.path().join(&stem).with_extension(picture)).expect("a picture");
-        assert!(bytes.len() > 10_000, "{picture} of {} bytes", bytes.len());
+    let stem = folder.path().join(name.replace('-', "_"));
+    let svg = std::fs::read_to_string(stem.with_extension("svg")).expect("an SVG");
+    for words in words {
+        assert!(svg.contains(&format!(">{words}</text>")), "{name} says {words:?}");
     }
-    read(&folder.path().join(stem).with_extension("csv"))
+    let file = std::fs::File::open(stem.with_extension("png")).expect("a PNG");
+    let mut png = png::Decoder::new(std::io::BufReader::new(file)).read_info().expect("a header");
+    let mut pixels = vec![0; png.output_buffer_size().expect("a size")];
+    let info = png.next_frame(&mut pixels).expect("pixels");
+    let size = format!("viewBox=\"0 0 {} {}\"", info.width / 2, info.height / 2);
+    assert!(svg.contains(&size), "{size}");
+    assert_eq!(pixels[..3], [255; 3]);
+    read(&stem.with_extension("csv"))
 }
 
 fn read(path: &Path) -> Vec<Vec<String>> {
@@ -30,7 +38,7 @@ fn number(field: &str) -> f64 {
 
 #[test]
 fn every_measured_limit_is_within_one_percent_of_theory_and_every_order_within_a_tenth() {
-    let rows = rows("stability");
+    let rows = rows("stability", &[], &["forward-euler", "blows up: |R| &gt; 1"]);
     assert_eq!(rows.len(), sungaze::step::METHODS.len());
     for row in rows {
         if row[0] == "exact" {
@@ -49,35 +57,33 @@ fn every_measured_limit_is_within_one_percent_of_theory_and_every_order_within_a
 }
 
 #[test]
-fn the_work_precision_chart_shows_what_it_says() {
-    let rows = rows("work-precision");
-    let of = |scene: &str, method: &str| -> Vec<&Vec<String>> {
-        rows.iter()
-            .filter(|row| row[0] == scene && row[1] == "first-order" && row[2] == method)
-            .collect()
-    };
-    for scene in
-        ["indoor", "street", "headlamp", "sun-glance", "time-lapse", "flicker", "dark-recovery"]
-    {
-        let exact = of(scene, "exact");
-        assert!(exact.len() == 1 && number(&exact[0][4]) <= 1e-14, "{exact:?}");
-        assert_eq!(exact[0][7], "");
-    }
-    assert!(of("sun-glance", "forward-euler").iter().all(|row| row[7] == "blow-up"));
-    assert!(
-        of("indoor", "forward-euler").iter().all(|row| row[7].is_empty() && number(&row[4]) < 1e-6)
-    );
-    let bound = 0.197 / 24.0 / 120.0;
-    let ramp = number(&of("ramp", "exact")[0][4]);
-    assert!(ramp <= bound && ramp > 0.99 * bound, "{ramp:e} against {bound:e}");
-}
-
-#[test]
 fn the_pigment_chart_ends_at_the_steady_state() {
-    let rows = rows("pigment");
+    let rows = rows("pigment", &[], &["L and M cones", "S cones", "Rods (scotopic td)"]);
     for receptor in ["LM", "S", "rod"] {
         let last = rows.iter().rfind(|row| row[0] == receptor && number(&row[1]) == 1e6);
         let last = last.expect("an onset under a million trolands");
         assert!((number(&last[3]) - number(&last[4])).abs() < 1e-6, "{last:?}");
     }
+}
+
+#[test]
+fn the_pigment_chart_draws_the_constants_that_it_is_given() {
+    let sets = ["observer.half_bleach_log_td=[4.0, 4.2, 5.0]", "observer.tau_s=[90, 100, 110]"];
+    let words = ["L cones", "M cones", "first-order, half-bleach log td 4.20, τ 100 s"];
+    let rows = rows("pigment", &sets, &words);
+    for (receptor, half_bleach, tau) in [("L", 1e4, 90.0), ("M", 10f64.powf(4.2), 100.0)] {
+        for row in rows.iter().filter(|row| row[0] == receptor) {
+            let (light, time, bleached) = (number(&row[1]), number(&row[2]), number(&row[3]));
+            let start = if light == 0.0 { 0.0 } else { 1.0 };
+            let rest = 1.0 / (1.0 + light / half_bleach);
+            let p = rest + (start - rest) * (-time * (1.0 + light / half_bleach) / tau).exp();
+            assert!((bleached - (1.0 - p)).abs() < 1e-5, "{row:?}: {}", 1.0 - p);
+        }
+    }
+}
+
+#[test]
+fn charts_take_the_keys_of_an_observer_and_no_others() {
+    let refused = observer(&["numerics.method=rk4".to_owned()]).expect_err("no observer's key");
+    assert!(refused.to_string().contains("keys of observer only"), "{refused}");
 }

@@ -6,6 +6,7 @@
 //! the pool of the caller.
 
 use super::difference::{ciede2000, lab};
+use super::ladder_figure;
 use super::ladder_scenes::{Scene, scenes};
 use super::{Progress, write_csv};
 use crate::colour;
@@ -16,9 +17,6 @@ use crate::eye::plan::{Plan, SUBSTEPS};
 use crate::eye::{Eye, Stimulus, survey};
 use crate::kinetics::Kinetics;
 use crate::light::{Planes, Survey};
-use crate::plot::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION};
-use crate::plot::{Anchor, Ink, Marker, Sheet};
-use crate::plot::{Axis, Panel};
 use crate::spectrum::Curve;
 use crate::step;
 use crate::units::{Degrees, Millimetres, Seconds};
@@ -26,7 +24,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-const BUDGET: f64 = 1e-3;
+pub(super) const BUDGET: f64 = 1e-3;
 
 /// Every so many places are followed at full model.
 const STRIDE: usize = 8;
@@ -34,15 +32,15 @@ const STRIDE: usize = 8;
 const PIXELS_PER_DEGREE: f64 = 8.0;
 
 /// What one rung did on one scene.
-struct Rung {
-    name: &'static str,
-    cost_ms: f64,
+pub(super) struct Rung {
+    pub name: &'static str,
+    pub cost_ms: f64,
     /// Largest error of p and of a catch.
-    errors: [f64; 2],
+    pub errors: [f64; 2],
     /// CIEDE2000 of the display picture, 95 % and largest.
-    differences: [f64; 2],
-    bound: Option<f64>,
-    chosen: bool,
+    pub differences: [f64; 2],
+    pub bound: Option<f64>,
+    pub chosen: bool,
 }
 
 /// What was seen at the followed places: fractions after each frame, and at the end catches and
@@ -82,7 +80,9 @@ pub(super) fn write(out_dir: &Path, progress: Progress) -> Result<()> {
     let rows =
         found.iter().flat_map(|(scene, rungs)| rungs.iter().map(move |rung| row(scene, rung)));
     write_csv(out_dir, "ladder", header, rows)?;
-    draw(&found).write(out_dir, "ladder")
+    let rungs: Vec<(&str, &[Rung])> =
+        found.iter().map(|(scene, rungs)| (scene.title, rungs.as_slice())).collect();
+    ladder_figure::drawn(&rungs).write(out_dir, "ladder")
 }
 
 /// Rounds over the rungs of a scene: they take turns, so that all meet the same noise.
@@ -277,88 +277,4 @@ fn shown(scene: &Scene, percepts: &[[f64; 3]]) -> Vec<[u8; 3]> {
     let mut bytes = vec![0; 3 * srgb.len()];
     display.encode_row(&map, planes.each_ref().map(Vec::as_slice), 1.0, &mut bytes);
     bytes.as_chunks().0.to_vec()
-}
-
-/// How each rung is drawn.
-fn style(name: &str) -> (Ink, Marker) {
-    match name {
-        "none" => (ORANGE, Marker::Square),
-        "steady" => (PURPLE, Marker::Triangle),
-        "tracked" => (BLUE, Marker::Disc),
-        "full" => (GREY, Marker::Diamond),
-        _ => (GREEN, Marker::Ring),
-    }
-}
-
-/// Errors below this are drawn on the floor.
-const FLOOR: f64 = 1e-9;
-
-fn draw(found: &[(Scene, Vec<Rung>)]) -> Sheet {
-    let mut sheet = Sheet::new(1560.0, 1000.0);
-    let title = "No more than a scene needs: cost and error of each rung, and what auto chose";
-    sheet.bold((780.0, 32.0), title, 22, Anchor::Middle, BLACK);
-    for (i, (scene, rungs)) in found.iter().enumerate() {
-        let (left, top) = (95.0 + 510.0 * (i % 3) as f64, 95.0 + 455.0 * (i / 3) as f64);
-        let x = Axis {
-            from: 1.0,
-            to: 1e6,
-            logarithmic: true,
-            every: 1.0,
-            label: "ms for a megapixel and frame",
-        };
-        let y = Axis {
-            from: FLOOR,
-            to: 1.0,
-            logarithmic: true,
-            every: 1.0,
-            label: "largest error, of p or of a catch",
-        };
-        let panel = Panel { left, top, width: 380.0, height: 320.0, x, y };
-        panel.frame(&mut sheet);
-        sheet.bold((left, top - 12.0), scene.title, 17, Anchor::Start, BLACK);
-        let (from, to) = (panel.at(1.0, BUDGET), panel.at(1e6, BUDGET));
-        sheet.line(from, to, VERMILION, 1.2, "6 4");
-        rungs.iter().for_each(|rung| draw_rung(&mut sheet, &panel, rung));
-    }
-    legend(&mut sheet, (1130.0, 590.0));
-    sheet
-}
-
-fn draw_rung(sheet: &mut Sheet, panel: &Panel, rung: &Rung) {
-    let (ink, marker) = style(rung.name);
-    let error = rung.errors[0].max(rung.errors[1]).max(FLOOR);
-    let at = panel.at(rung.cost_ms, error);
-    if let Some(bound) = rung.bound.filter(|bound| *bound > FLOOR) {
-        let (x, y) = panel.at(rung.cost_ms, bound);
-        sheet.line((x, y), at, ink, 1.0, "2 3");
-        sheet.line((x - 9.0, y), (x + 9.0, y), ink, 2.4, "");
-    }
-    sheet.mark(at, marker, if rung.name == "auto" { 12.0 } else { 6.0 }, ink);
-}
-
-fn legend(sheet: &mut Sheet, (x, y): (f64, f64)) {
-    let words = [
-        ("none", "none: nothing bleaches"),
-        ("steady", "steady: frame by frame (paper Eq. 1)"),
-        ("tracked", "tracked: the exact step, by kernels"),
-        ("full", "full: every nanometre, 16 sub-steps (the truth)"),
-        ("auto", "auto: what the plan chose"),
-    ];
-    for (i, (name, words)) in words.into_iter().enumerate() {
-        let (ink, marker) = style(name);
-        let y = y + 34.0 * i as f64;
-        sheet.mark((x, y), marker, if name == "auto" { 12.0 } else { 6.0 }, ink);
-        sheet.text((x + 24.0, y + 5.0), words, 16, Anchor::Start, BLACK);
-    }
-    let y = y + 34.0 * words.len() as f64;
-    sheet.line((x - 10.0, y), (x + 10.0, y), BLACK, 2.4, "");
-    sheet.text(
-        (x + 24.0, y + 5.0),
-        "the most it can err, where that is promised",
-        16,
-        Anchor::Start,
-        BLACK,
-    );
-    sheet.line((x - 14.0, y + 34.0), (x + 14.0, y + 34.0), VERMILION, 1.2, "6 4");
-    sheet.text((x + 24.0, y + 39.0), "the budget, 10⁻³", 16, Anchor::Start, BLACK);
 }

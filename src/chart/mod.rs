@@ -6,9 +6,11 @@
 mod difference;
 mod fundamentals;
 mod ladder;
+mod ladder_figure;
 mod ladder_scenes;
 mod machine;
 mod methods;
+mod panels;
 mod pigment;
 mod scenes;
 mod stability;
@@ -17,27 +19,66 @@ mod verdict;
 mod work;
 mod work_precision;
 
-use crate::error::Result;
+use crate::config::Config;
+use crate::error::{Error, Result};
 use crate::frames::atomic;
 use std::path::Path;
 
 /// Takes the progress of a chart, line by line.
 pub type Progress<'a> = &'a mut (dyn FnMut(&str) + 'a);
 
-/// One chart: its name on the command line and what makes it in a folder.
+/// What makes a chart in a folder.
+#[derive(Clone, Copy)]
+pub enum Make {
+    /// Of the program's methods and the standard observer.
+    Fixed(fn(&Path, Progress) -> Result<()>),
+    /// Of the observer of a configuration.
+    OfObserver(fn(&Path, &Config, Progress) -> Result<()>),
+}
+
+/// One chart: its name on the command line and what makes it.
 pub struct Chart {
     pub name: &'static str,
-    pub write: fn(&Path, Progress) -> Result<()>,
+    pub make: Make,
 }
 
 /// Every chart, in the order in which they are made.
 pub const CHARTS: &[Chart] = &[
-    Chart { name: "work-precision", write: work_precision::write },
-    Chart { name: "stability", write: stability_map::write },
-    Chart { name: "ladder", write: ladder::write },
-    Chart { name: "pigment", write: pigment::write },
-    Chart { name: "fundamentals", write: fundamentals::write },
+    Chart { name: "work-precision", make: Make::Fixed(work_precision::write) },
+    Chart { name: "stability", make: Make::Fixed(stability_map::write) },
+    Chart { name: "ladder", make: Make::Fixed(ladder::write) },
+    Chart { name: "pigment", make: Make::OfObserver(pigment::write) },
+    Chart { name: "fundamentals", make: Make::Fixed(fundamentals::write) },
 ];
+
+impl Chart {
+    /// Whether it draws the observer that is given.
+    pub fn takes_observer(&self) -> bool {
+        matches!(self.make, Make::OfObserver(_))
+    }
+
+    /// Makes its files in a folder.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(&self, out_dir: &Path, observer: &Config, progress: Progress) -> Result<()> {
+        match self.make {
+            Make::Fixed(write) => write(out_dir, progress),
+            Make::OfObserver(write) => write(out_dir, observer, progress),
+        }
+    }
+}
+
+/// The observer of charts: the standard one, with `observer.KEY=VALUE` settings on top.
+///
+/// # Errors
+/// A setting of another table, or one that no run would take.
+pub fn observer(sets: &[String]) -> Result<Config> {
+    match sets.iter().find(|set| !set.trim_start().starts_with("observer.")) {
+        Some(set) => Err(Error::config("--set", set, "charts take keys of observer only")),
+        None => Config::load(None, sets),
+    }
+}
 
 /// Write a table of `header` and `rows` as `<name>.csv`. No value of ours holds a comma.
 pub fn write_csv(

@@ -39,12 +39,12 @@ const COLUMNS: [(&str, &str, [&str; 2]); 10] = [
     ("dark-recovery", "first-order", ["dark", "recovery"]),
     ("ramp", "first-order", ["ramp", ""]),
     ("sun-glance", "self-screened", ["sun, self-", "screened"]),
-    ("time-lapse", "rate-limited", ["lapse, rate-", "limited"]),
+    ("time-lapse", "rate-limited", ["lapse, rate", "limited"]),
 ];
 
 const ROW: f64 = 25.0;
-const COLUMN: f64 = 97.0;
-const LEFT: f64 = 190.0;
+const COLUMN: f64 = 80.0;
+const LEFT: f64 = 180.0;
 
 /// Draw the table for `methods` from `top`; returns where it ends.
 pub(super) fn table(sheet: &mut Sheet, points: &[Point], methods: &[&str], top: f64) -> f64 {
@@ -54,7 +54,7 @@ pub(super) fn table(sheet: &mut Sheet, points: &[Point], methods: &[&str], top: 
             sheet.text(
                 (centre(column), top + 14.0 + 17.0 * line as f64),
                 words,
-                15,
+                14,
                 Anchor::Middle,
                 BLACK,
             );
@@ -65,7 +65,7 @@ pub(super) fn table(sheet: &mut Sheet, points: &[Point], methods: &[&str], top: 
         let y = body + ROW * i as f64;
         let (ink, marker) = of_method(method);
         sheet.mark((30.0, y + 0.5 * ROW), marker, 5.0, ink);
-        sheet.text((44.0, y + 0.5 * ROW + 5.5), method, 16, Anchor::Start, BLACK);
+        sheet.text((44.0, y + 0.5 * ROW + 5.5), method, 15, Anchor::Start, BLACK);
         for (column, (scene, law, _)) in COLUMNS.iter().enumerate() {
             let verdict = verdict(points, scene, law, method);
             let best =
@@ -74,7 +74,7 @@ pub(super) fn table(sheet: &mut Sheet, points: &[Point], methods: &[&str], top: 
                 if best { (GREEN, verdict.words(), WHITE) } else { verdict.colours() };
             let left = LEFT + COLUMN * column as f64;
             sheet.block((left + 1.0, y + 1.0), COLUMN - 2.0, ROW - 2.0, ground);
-            sheet.text((centre(column), y + 0.5 * ROW + 5.5), &words, 16, Anchor::Middle, ink);
+            sheet.text((centre(column), y + 0.5 * ROW + 5.5), &words, 15, Anchor::Middle, ink);
         }
     }
     body + ROW * methods.len() as f64

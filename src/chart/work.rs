@@ -2,7 +2,7 @@
 
 use super::Progress;
 use super::machine::{RUNS, median, nanoseconds};
-use super::scenes::{Scene, scenes};
+use super::scenes::Scene;
 use crate::kinetics::{Kinetics, Law};
 use crate::step::{Drive, METHODS, Method, dormand_prince};
 use crate::units::{Seconds, Trolands};
@@ -80,37 +80,43 @@ pub(super) fn laws() -> [Kinetics; 3] {
     laws.map(|law| Kinetics { law, half_bleach: Trolands(2e4), tau: Seconds(120.0) })
 }
 
-/// Every scene, law, method and amount of work.
-pub(super) fn measure(progress: Progress) -> Vec<Point> {
-    let scenes = scenes();
-    let mut points: Vec<(&Scene, Kinetics, Point, Vec<f64>)> = Vec::new();
-    for scene in &scenes {
+/// A point without its time, and what is run to time it.
+pub(super) struct Untimed<'a> {
+    scene: &'a Scene,
+    kinetics: Kinetics,
+    point: Point,
+}
+
+/// Errors and failures of every scene, law, method and amount of work.
+pub(super) fn errors<'a>(scenes: &'a [Scene], progress: Progress) -> Vec<Untimed<'a>> {
+    let mut all = Vec::new();
+    for scene in scenes {
         progress(&format!("work-precision: errors, {}", scene.name));
         for kinetics in laws() {
             let truth = truth(&kinetics, scene);
             for method in METHODS {
-                let each = amounts(&kinetics, scene, method).into_iter();
-                points.extend(each.map(|work| {
-                    (
-                        scene,
-                        kinetics,
-                        point(&kinetics, scene, method, work, &truth),
-                        Vec::with_capacity(RUNS),
-                    )
+                let works = amounts(&kinetics, scene, method).into_iter();
+                all.extend(works.map(|work| {
+                    let point = point(&kinetics, scene, method, work, &truth);
+                    Untimed { scene, kinetics, point }
                 }));
             }
         }
     }
+    all
+}
+
+/// The points with their times: medians of runs that are spread over the whole measurement.
+pub(super) fn timed(untimed: Vec<Untimed>, progress: Progress) -> Vec<Point> {
+    let mut runs = vec![Vec::with_capacity(RUNS); untimed.len()];
     for run in 1..=RUNS {
         progress(&format!("work-precision: timing, run {run} of {RUNS}"));
-        for (scene, kinetics, point, runs) in &mut points {
+        for (Untimed { scene, kinetics, point }, runs) in untimed.iter().zip(&mut runs) {
             runs.push(cost(kinetics, scene, point.method, point.work));
         }
     }
-    let timed = points
-        .into_iter()
-        .map(|(_, _, point, runs)| Point { ns_per_update: median(runs), ..point });
-    timed.collect()
+    let timed = untimed.into_iter().zip(runs);
+    timed.map(|(of, runs)| Point { ns_per_update: median(runs), ..of.point }).collect()
 }
 
 /// The amounts of work worth showing: a method that is exact on a scene is one point.
@@ -261,4 +267,40 @@ fn cost(kinetics: &Kinetics, scene: &Scene, method: &Method, work: Work) -> f64 
         black_box(row);
     });
     elapsed / (places * frames.len()) as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::scenes::scenes;
+    use super::*;
+
+    /// Points of a method under the first-order law on a scene.
+    fn of<'a>(all: &'a [Untimed], scene: &str, method: &str) -> Vec<&'a Point> {
+        let points = all.iter().map(|of| &of.point);
+        let first_order = points.filter(|point| point.law == Law::FirstOrder);
+        first_order.filter(|point| point.scene == scene && point.method.name == method).collect()
+    }
+
+    #[test]
+    fn the_exact_step_is_exact_wherever_light_is_held_and_explicit_ones_die_in_the_sun() {
+        let scenes = scenes();
+        let all = errors(&scenes, &mut |_| {});
+        let held = scenes.iter().filter(|scene| scene.name != "ramp");
+        for scene in held {
+            let exact = of(&all, scene.name, "exact");
+            assert_eq!(exact.len(), 1);
+            assert!(
+                exact[0].max_abs_error <= 1e-14 && exact[0].failure.is_none(),
+                "{}",
+                scene.name
+            );
+        }
+        let sun = of(&all, "sun-glance", "forward-euler");
+        assert!(sun.iter().all(|point| point.failure == Some(Failure::BlowUp)));
+        let indoor = of(&all, "indoor", "forward-euler");
+        assert!(indoor.iter().all(|point| point.failure.is_none() && point.max_abs_error < 1e-6));
+        let bound = 0.197 / 24.0 / 120.0;
+        let ramp = of(&all, "ramp", "exact")[0].max_abs_error;
+        assert!(ramp <= bound && ramp > 0.99 * bound, "{ramp:e} against {bound:e}");
+    }
 }

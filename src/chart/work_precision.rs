@@ -1,27 +1,20 @@
-//! `work-precision`: time per update against error, scene by scene, failures on a rail of their
-//! own.
+//! `work-precision`: what methods cost and how far they err, as a table of verdicts and as a sheet of
+//! six panels, `work_precision_panels`.
 
 use super::methods::of_method;
 use super::scenes::scenes;
 use super::verdict::table;
-use super::work::{BUDGET, Failure, Point, Work, laws, measure};
-use super::{Progress, machine, write_csv};
+use super::work::{Point, Work, errors, laws, timed};
+use super::{Progress, machine, panels, write_csv};
 use crate::error::Result;
-use crate::plot::palette::{BLACK, GREY, PALE_GREEN, PALE_RED, VERMILION, WHITE};
-use crate::plot::{Anchor, Ink, Marker, Sheet};
-use crate::plot::{Axis, Panel};
+use crate::plot::palette::BLACK;
+use crate::plot::{Anchor, Marker, Sheet, font};
 use crate::step::{Drive, dormand_prince};
 use crate::units::{Seconds, Trolands};
 use std::path::Path;
 
-/// How far published half-bleach constants move p.
-const PUBLISHED_SPREAD: f64 = 0.23;
-
-/// Nanoseconds that the spectral part costs per place and cone: by stored levels, and by all bands.
-const SPECTRAL_NS: [f64; 2] = [22.0, 280.0];
-
-/// Methods that are drawn; the table has all of them.
-const DRAWN: [&str; 12] = [
+/// Methods that are drawn; the CSV has all of them.
+pub(super) const DRAWN: [&str; 12] = [
     "forward-euler",
     "heun",
     "rk4",
@@ -36,20 +29,14 @@ const DRAWN: [&str; 12] = [
     "exact",
 ];
 
-/// One panel: what it shows of which points.
-struct View {
-    title: String,
-    scene: &'static str,
-    law: &'static str,
-    relative: bool,
-}
-
 pub(super) fn write(out_dir: &Path, progress: Progress) -> Result<()> {
-    let points = measure(progress);
+    let scenes = scenes();
+    let points = timed(errors(&scenes, progress), progress);
     let header =
         "scene,law,method,substeps_or_tolerance,max_abs_error,max_rel_error,ns_per_update,failure";
     write_csv(out_dir, "work_precision", header, points.iter().map(row))?;
-    draw(&points).write(out_dir, "work_precision")
+    verdicts(&points).write(out_dir, "work_precision")?;
+    panels::drawn(&points).write(out_dir, "work_precision_panels")
 }
 
 fn row(point: &Point) -> String {
@@ -63,191 +50,35 @@ fn row(point: &Point) -> String {
     format!("{scene},{law},{method},{work},{abs:.4e},{rel:.4e},{ns:.3},{failure}")
 }
 
-fn views() -> Vec<View> {
-    let scenes = scenes();
-    let view = |title: String, scene, law, relative| View { title, scene, law, relative };
-    let plain =
-        scenes.iter().map(|scene| view(scene.title.to_owned(), scene.name, "first-order", false));
-    let more = [
-        view("sun glance, relative error of p".to_owned(), "sun-glance", "first-order", true),
-        view("headlamp, relative error of p".to_owned(), "headlamp", "first-order", true),
-        view("sun glance, self-screened law".to_owned(), "sun-glance", "self-screened", false),
-        view("time-lapse, rate-limited law".to_owned(), "time-lapse", "rate-limited", false),
+/// The table, under its message.
+fn verdicts(points: &[Point]) -> Sheet {
+    let mut sheet = Sheet::new(1000.0, 540.0);
+    let title = "Euler wins indoors and dies in the sun; the exact step keeps every scene";
+    sheet.bold((500.0, 28.0), title, 20, Anchor::Middle, BLACK);
+    let words = "Least nanoseconds per update of a cone that keep p and a catch within 0.001, or how a method fails";
+    sheet.text((500.0, 54.0), words, 15, Anchor::Middle, BLACK);
+    let below = table(&mut sheet, points, &DRAWN, 74.0) + 28.0;
+    let (sun, machine, runs) = (evaluations_in_the_sun(), machine::name(), machine::RUNS);
+    let notes = [
+        "Dark: the fewest. In “ramp” light moves within a frame: exact holds its mean and errs by 0.197 h/τ = 6.8·10⁻⁵ at most;".to_owned(),
+        "there the budget is of p alone.".to_owned(),
+        format!("A frame of the sun costs dopri5-adaptive {sun} evaluations of p′ at tolerance 10⁻⁶, exact one exponential."),
+        format!("Half-bleach 2·10⁴ td, τ 120 s. {machine}, one thread, warm, median of {runs} runs."),
     ];
-    plain.chain(more).collect()
-}
-
-fn draw(points: &[Point]) -> Sheet {
-    let mut sheet = Sheet::new(1200.0, 1930.0);
-    sheet.bold(
-        (600.0, 34.0),
-        "Euler wins indoors and dies in the sun; the exact step keeps every scene",
-        24,
-        Anchor::Middle,
-        BLACK,
-    );
-    let words = "Nanoseconds per update of a cone at a place that keep p and a catch within 0.001 (dark: the fewest), \
-                 or how the method fails.";
-    sheet.text((600.0, 62.0), words, 16, Anchor::Middle, BLACK);
-    let below = table(&mut sheet, points, &DRAWN, 84.0) + 60.0;
-    for (i, view) in views().iter().enumerate() {
-        draw_view(
-            &mut sheet,
-            view,
-            points,
-            (82.0 + 390.0 * (i % 3) as f64, below + 322.0 * (i / 3) as f64),
-        );
+    for (i, note) in notes.iter().enumerate() {
+        let note = font::fitted(note, 14.0, 960.0);
+        sheet.text((20.0, below + 22.0 * i as f64), &note, 14, Anchor::Start, BLACK);
     }
-    legend(&mut sheet, below + 4.0 * 322.0 - 10.0);
     sheet
 }
 
-/// Width of the part of a panel that has an axis, and of the rail for failures beside it.
-const WIDTHS: [f64; 2] = [226.0, 76.0];
-
-fn draw_view(sheet: &mut Sheet, view: &View, points: &[Point], at: (f64, f64)) {
-    let label = if view.relative { "largest |p/p true − 1|" } else { "largest |p − p true|" };
-    let x = Axis { from: 1e-17, to: 1.0, logarithmic: true, every: 4.0, label };
-    let y = Axis { from: 1.0, to: 1e4, logarithmic: true, every: 1.0, label: "ns per update" };
-    let panel = Panel { left: at.0, top: at.1, width: WIDTHS[0], height: 216.0, x, y };
-    let budget = panel.at(BUDGET, 1.0).0;
-    sheet.block((panel.left, panel.top), budget - panel.left, panel.height, PALE_GREEN);
-    sheet.block((panel.right(), panel.top), WIDTHS[1], panel.height, PALE_RED);
-    panel.frame(sheet);
-    sheet.text(
-        (panel.right() + 0.5 * WIDTHS[1], panel.bottom() + 20.0),
-        "failed",
-        15,
-        Anchor::Middle,
-        VERMILION,
-    );
-    sheet.bold((panel.left - 40.0, panel.top - 12.0), &view.title, 16, Anchor::Start, BLACK);
-    let spread = panel.at(PUBLISHED_SPREAD, 1.0).0;
-    sheet.line((spread, panel.top), (spread, panel.bottom()), GREY, 1.2, "2,3");
-    for ns in SPECTRAL_NS {
-        let height = panel.at(1.0, ns).1;
-        sheet.line((panel.left, height), (panel.right(), height), GREY, 1.2, "6,4");
-    }
-    if view.scene == "headlamp" && !view.relative {
-        draw_orders(sheet, &panel);
-    }
-    let shown: Vec<&Point> = points
-        .iter()
-        .filter(|point| point.scene == view.scene && point.law.name() == view.law)
-        .collect();
-    let fails =
-        |name: &str| shown.iter().any(|point| point.method.name == name && point.failure.is_some());
-    let failing = DRAWN.iter().filter(|name| fails(name)).count();
-    let apart = f64::min(11.5, (WIDTHS[1] - 16.0) / failing.max(2) as f64);
-    let mut lane = panel.right() + 9.0;
-    for name in DRAWN {
-        draw_method(sheet, &panel, view, &shown, lane, name);
-        lane += if fails(name) { apart } else { 0.0 };
-    }
-    ring_the_cheapest(sheet, &panel, view, &shown);
-}
-
-/// The slopes that theory gives to methods of order 1, 2, 4 and 5: four times the work, 4^-order
-/// the error.
-fn draw_orders(sheet: &mut Sheet, panel: &Panel) {
-    let (error, ns) = (1e-8, 1.5);
-    for order in [1, 2, 4, 5] {
-        let end = panel.at(error * 4f64.powi(-order), 4.0 * ns);
-        sheet.line(panel.at(error, ns), end, GREY, 1.2, "");
-        sheet.text((end.0, end.1 - 4.0), &order.to_string(), 13, Anchor::Middle, GREY);
-    }
-    sheet.text(
-        (panel.at(error, ns).0 + 6.0, panel.at(error, ns).1 - 2.0),
-        "order",
-        13,
-        Anchor::Start,
-        GREY,
-    );
-}
-
-fn error(view: &View, point: &Point) -> f64 {
-    (if view.relative { point.max_rel_error } else { point.max_abs_error }).max(1e-17)
-}
-
-fn draw_method(
-    sheet: &mut Sheet,
-    panel: &Panel,
-    view: &View,
-    shown: &[&Point],
-    lane: f64,
-    name: &str,
-) {
-    let (ink, marker) = of_method(name);
-    let of_it = shown.iter().copied().filter(|point| point.method.name == name);
-    let (failed, sound): (Vec<&Point>, Vec<&Point>) =
-        of_it.partition(|point| point.failure.is_some());
-    let places: Vec<_> =
-        sound.iter().map(|point| panel.at(error(view, point), point.ns_per_update)).collect();
-    if name == "exact" && places.len() == 1 {
-        sheet.line((places[0].0, panel.top), (places[0].0, panel.bottom()), ink, 1.4, "5,4");
-    }
-    if places.len() > 1 {
-        sheet.polyline(&places, ink, 1.6, "");
-    }
-    let size = if marker == Marker::Star { 6.0 } else { 4.2 };
-    places.iter().for_each(|&place| sheet.mark(place, marker, size, ink));
-    let failures: Vec<_> =
-        failed.iter().filter_map(|point| Some((point.ns_per_update, point.failure?))).collect();
-    draw_failures(sheet, panel, lane, &failures, ink);
-}
-
-/// A lane of the rail: a dot for every amount of work, lettered where the way of failing changes.
-fn draw_failures(sheet: &mut Sheet, panel: &Panel, x: f64, failures: &[(f64, Failure)], ink: Ink) {
-    let heights: Vec<f64> = failures.iter().map(|(ns, _)| panel.at(1.0, *ns).1).collect();
-    let places: Vec<_> = heights.iter().map(|&y| (x, y)).collect();
-    if places.len() > 1 {
-        sheet.polyline(&places, ink, 1.2, "");
-    }
-    for (i, (_, failure)) in failures.iter().enumerate() {
-        if i == 0 || failures[i - 1].1 != *failure {
-            sheet.bold((x, heights[i] + 15.0), failure.letter(), 15, Anchor::Middle, ink);
-        }
-        sheet.mark(places[i], Marker::Disc, 2.4, ink);
-    }
-}
-
-fn ring_the_cheapest(sheet: &mut Sheet, panel: &Panel, view: &View, shown: &[&Point]) {
-    let drawn =
-        shown.iter().filter(|point| DRAWN.contains(&point.method.name) && point.keeps_budget());
-    let Some(best) = drawn.min_by(|a, b| a.ns_per_update.total_cmp(&b.ns_per_update)) else {
-        return;
-    };
-    let place = panel.at(error(view, best), best.ns_per_update);
-    sheet.mark(place, Marker::Ring, 12.0, BLACK);
-    let words = format!("{}, {:.0} ns", best.method.name, best.ns_per_update);
-    sheet.block((panel.left + 1.0, panel.top + 1.0), 8.0 + 7.6 * words.len() as f64, 22.0, WHITE);
-    sheet.text((panel.left + 6.0, panel.top + 17.0), &words, 14, Anchor::Start, BLACK);
-}
-
-fn legend(sheet: &mut Sheet, top: f64) {
-    let sun = evaluations_in_the_sun();
-    let (machine, runs) = (machine::name(), machine::RUNS);
-    let notes = [
-        "Panels: left and low is good; green is an error below 0.001; the ring marks the cheapest that keeps the budget, \
-         of p and of a catch."
-            .to_owned(),
-        "Marks along a line: 1, 2, 4, 8, 16 sub-steps, or tolerances 10⁻² to 10⁻¹⁰. Failed: B blow-up, N negative \
-         pigment, R ringing, F frozen."
-            .to_owned(),
-        "Dotted: how far published half-bleach constants move p (0.23). Dashed: the spectral part, 22 ns with \
-         stored levels, 280 ns with all bands."
-            .to_owned(),
-        "Only in “ramp” does light move within a frame: there exact holds its mean, errs by at most 0.197 h/τ = \
-         6.8·10⁻⁵, and the budget is of p alone."
-            .to_owned(),
-        format!("A frame of the sun costs dopri5-adaptive {sun} evaluations of p′ at tolerance 10⁻⁶, exact one exponential."),
-        format!(
-            "Half-bleach 2·10⁴ td, τ = 120 s. {machine}, one thread, warm, median of {runs} runs; one call per place \
-             and sub-step."
-        ),
-    ];
-    for (i, note) in notes.iter().enumerate() {
-        sheet.text((40.0, top + 24.0 * i as f64), note, 15, Anchor::Start, BLACK);
+/// Names and marks of the drawn methods, in two rows.
+pub(super) fn key(sheet: &mut Sheet, top: f64) {
+    for (i, name) in DRAWN.into_iter().enumerate() {
+        let at = (60.0 + 158.0 * (i % 6) as f64, top + 24.0 * (i / 6) as f64);
+        let (ink, marker) = of_method(name);
+        sheet.mark(at, marker, if marker == Marker::Star { 6.0 } else { 4.6 }, ink);
+        sheet.text((at.0 + 11.0, at.1 + 5.0), name, 14, Anchor::Start, BLACK);
     }
 }
 

@@ -4,21 +4,15 @@ use std::process::ExitCode;
 
 use serde_json::{Map, Value};
 
-use sungaze::chart::{CHARTS, Chart};
+use sungaze::chart::{self, CHARTS, Chart};
 use sungaze::error::{Error, Result};
 
 use super::{Common, say, table};
 
 /// Makes the named charts, or all, and prints what was written.
 pub fn command(names: &[String], common: &Common) -> Result<ExitCode> {
-    let charts = chosen(names)?;
-    if let Some(set) = common.set.first() {
-        return Err(Error::config(
-            "--set",
-            set,
-            "has no meaning for charts: they show the standard constants",
-        ));
-    }
+    let charts = chosen(names, common)?;
+    let observer = chart::observer(&common.set)?;
     common.pool()?;
     let folder = common.folder("chart");
     common.ready(&folder)?;
@@ -29,7 +23,7 @@ pub fn command(names: &[String], common: &Common) -> Result<ExitCode> {
                 say::message(line);
             }
         };
-        (chart.write)(&folder, &mut progress)?;
+        chart.write(&folder, &observer, &mut progress)?;
         let csv = folder.join(format!("{}.csv", chart.name.replace('-', "_")));
         if common.json {
             rows.insert(
@@ -46,19 +40,27 @@ pub fn command(names: &[String], common: &Common) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-fn chosen(names: &[String]) -> Result<Vec<&'static Chart>> {
+/// The charts of these names; without one all, or all that take an observer if one is set.
+fn chosen(names: &[String], common: &Common) -> Result<Vec<&'static Chart>> {
+    let takes = |chart: &&Chart| common.set.is_empty() || chart.takes_observer();
     if names.is_empty() {
-        return Ok(CHARTS.iter().collect());
+        return Ok(CHARTS.iter().filter(takes).collect());
     }
+    let listed =
+        |charts: Vec<&Chart>| charts.iter().map(|chart| chart.name).collect::<Vec<_>>().join(", ");
     let named = |name: &String| {
-        CHARTS.iter().find(|chart| chart.name == name).ok_or_else(|| {
-            let known: Vec<_> = CHARTS.iter().map(|chart| chart.name).collect();
-            Error::config(
-                "the command line",
-                "NAME",
-                format!("found {name:?}; accepted: {}", known.join(", ")),
-            )
-        })
+        let chart = CHARTS.iter().find(|chart| chart.name == name).ok_or_else(|| {
+            let known = listed(CHARTS.iter().collect());
+            Error::config("the command line", "NAME", format!("found {name:?}; accepted: {known}"))
+        })?;
+        if !takes(&chart) {
+            let problem = format!(
+                "has no meaning for {name}, which shows the standard observer; charts that take one: {}",
+                listed(CHARTS.iter().filter(takes).collect())
+            );
+            return Err(Error::config("--set", &common.set[0], problem));
+        }
+        Ok(chart)
     };
     names.iter().map(named).collect()
 }

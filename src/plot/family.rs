@@ -120,7 +120,7 @@ fn curve(
 ) {
     let (ink, dash) = (member.ink, DASHES[member.dash % DASHES.len()]);
     let width = if members > 40 { 0.8 } else { 1.7 };
-    let pair = |at: &Moment| (at.time.max(panel.x.from), value(at));
+    let pair = |at: &Moment| (at.time, value(at));
     panel.curve(sheet, &course.iter().map(pair).collect::<Vec<_>>(), ink, width, dash);
     if members * member.rows.len() <= 200 {
         for row in &member.rows {
@@ -192,7 +192,7 @@ fn legend(sheet: &mut Sheet, family: &Family, scale: &Scale, top: f64) {
     let (left, height) = (right + 22.0, LOWER + SIZE[1]);
     sheet.text(
         (left, top - 14.0),
-        &fitted(&scale.name, WIDTH - left),
+        &fitted(&scale.name, WIDTH - left - 6.0),
         NAME_TYPE,
         Anchor::Start,
         BLACK,
@@ -225,8 +225,7 @@ fn dashes_named(sheet: &mut Sheet, scale: &Scale, y: f64) {
     }
 }
 
-/// Powers of ten where durations span more than a factor of twenty; the start stands at the left
-/// edge.
+/// Powers of ten where durations span more than a factor of twenty, from before the first of them.
 fn time_axis<'a>(members: impl Iterator<Item = &'a Member>) -> Axis<'static> {
     let times = members.flat_map(|member| member.rows.iter().map(|row| row.time));
     let (first, last) = times
@@ -235,6 +234,6 @@ fn time_axis<'a>(members: impl Iterator<Item = &'a Member>) -> Axis<'static> {
     if last <= 20.0 * first {
         return Axis::linear(0.0, last, 4.0, "duration (s)");
     }
-    let from = 10f64.powf((first.log10() + 1e-9).floor());
+    let from = 10f64.powf((first.log10() - 1e-9).ceil() - 1.0);
     Axis::logarithmic(from, last, 4.0, "duration (s)")
 }

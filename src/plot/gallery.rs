@@ -91,7 +91,10 @@ struct Layout {
 impl Layout {
     fn new(page: &[Block], side: usize) -> Self {
         let rows = || page.iter().flat_map(|block| &block.rows);
-        let label = if rows().all(|row| row.label.is_empty()) { 0 } else { LABEL };
+        let labels = rows().filter(|row| !row.pictures.is_empty()).map(|row| &row.label);
+        let longest =
+            labels.map(|label| font::width(label, f64::from(TYPE), false)).fold(0.0, f64::max);
+        let label = if longest > 0.0 { LABEL.min(longest as usize + 2 * GAP) } else { 0 };
         let widths = rows().flat_map(|row| &row.pictures).map(|picture| picture.shown(side)[0]);
         let across = widths.max().unwrap_or(1).max(NARROWEST);
         let columns = rows().map(|row| row.pictures.len()).max().unwrap_or(1);
@@ -246,7 +249,9 @@ mod tests {
 
     #[test]
     fn a_picture_stands_in_its_column_beside_its_label() {
-        let canvas = drawn(&[block(2, 2)], 160);
+        let mut block = block(2, 2);
+        block.rows[1].label = "words that are too long to stand beside a row of pictures".into();
+        let canvas = drawn(&[block], 160);
         let at = |x: usize, y: usize| &canvas.rgb[3 * (y * canvas.width + x)..][..3];
         let top = GAP + 2 * LINE;
         for (column, row) in [(0, 0), (1, 0), (0, 1), (1, 1)] {

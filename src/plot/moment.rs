@@ -127,9 +127,9 @@ pub fn note_breaks(sheet: &mut Sheet, panel: &Panel, values: impl Iterator<Item 
         values.filter(|v| !panel.y.holds(*v)).partition(|v| v.is_nan() || *v == 0.0);
     let words = match (black.is_empty(), outside.is_empty()) {
         (true, true) => return,
-        (true, false) => "outside the panel where the line breaks",
-        (false, true) => "black where the line breaks",
-        (false, false) => "outside the panel or black where it breaks",
+        (true, false) => "breaks: outside the panel",
+        (false, true) => "breaks: black",
+        (false, false) => "breaks: outside or black",
     };
     sheet.text((panel.right(), panel.top - 6.0), words, 12, Anchor::End, BLACK);
 }

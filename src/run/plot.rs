@@ -226,11 +226,9 @@ mod tests {
             drawn(&xyz.into_iter().enumerate().map(one).collect::<Vec<_>>(), &EYE).svg()
         };
         let (white, black, beyond) = ([1.0; 3], [0.0; 3], [-6.6, 1.0, 6.6]);
-        assert!(!told([white; 3]).contains("line breaks"));
-        assert!(told([white, black, white]).contains(">black where the line breaks<"));
-        assert!(told([white, beyond, white]).contains(">outside the panel where the line breaks<"));
-        assert!(
-            told([black, beyond, white]).contains(">outside the panel or black where it breaks<")
-        );
+        assert!(!told([white; 3]).contains("breaks:"));
+        assert!(told([white, black, white]).contains(">breaks: black<"));
+        assert!(told([white, beyond, white]).contains(">breaks: outside the panel<"));
+        assert!(told([black, beyond, white]).contains(">breaks: outside or black<"));
     }
 }
