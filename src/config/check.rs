@@ -110,7 +110,7 @@ fn time(s: &Settings) -> Check {
     let given = [
         ("time.fps", t.fps.is_some()),
         ("time.interval_s", t.interval_s.is_some()),
-        ("time.times_s", t.times_s.is_some()),
+        ("time.times_s", t.listed().is_some()),
     ];
     let mut ways = given.iter().filter(|(_, given)| *given);
     if let (Some((first, _)), Some((second, _))) = (ways.next(), ways.next()) {
@@ -122,7 +122,10 @@ fn time(s: &Settings) -> Check {
     optional("time.fps", t.fps, 1e-9, 1e9)?;
     optional("time.interval_s", t.interval_s, 1e-9, 1e9)?;
     optional("time.duration_s", t.duration_s, 1e-9, 1e9)?;
-    let Some(times) = &t.times_s else { return Ok(()) };
+    if t.follows_the_gaze() {
+        return follows_the_gaze(s);
+    }
+    let Some(times) = t.listed() else { return Ok(()) };
     if times.first() != Some(&0.0)
         || times.windows(2).any(|w| w[0] >= w[1])
         || times.iter().any(|t| !t.is_finite())
@@ -131,6 +134,17 @@ fn time(s: &Settings) -> Check {
             "time.times_s".into(),
             format!("found {times:?}; accepted: seconds that begin at 0 and rise"),
         ));
+    }
+    Ok(())
+}
+
+/// Frames end at the rows of the gaze path: it must be there, and say when the last ends.
+fn follows_the_gaze(s: &Settings) -> Check {
+    if s.gaze.path.is_none() {
+        return Err(("time.times_s".into(), "\"gaze.path\" needs a gaze.path".into()));
+    }
+    if s.time.duration_s.is_some() {
+        return Err(("time.duration_s".into(), "excludes time.times_s = \"gaze.path\"".into()));
     }
     Ok(())
 }

@@ -154,9 +154,40 @@ pub struct Time {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub interval_s: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub times_s: Option<Vec<f64>>,
+    pub times_s: Option<Times>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub duration_s: Option<f64>,
+}
+
+/// `time.times_s`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "a list of seconds, or \"gaze.path\"")]
+pub enum Times {
+    Listed(Vec<f64>),
+    /// A frame ends at each row of the gaze path and holds that row's gaze.
+    Of(GazePath),
+}
+
+/// The word `gaze.path`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum GazePath {
+    #[serde(rename = "gaze.path")]
+    GazePath,
+}
+
+impl Time {
+    /// Whether frames end at the rows of the gaze path.
+    pub fn follows_the_gaze(&self) -> bool {
+        matches!(self.times_s, Some(Times::Of(_)))
+    }
+
+    /// The listed times.
+    pub fn listed(&self) -> Option<&[f64]> {
+        match &self.times_s {
+            Some(Times::Listed(times)) => Some(times),
+            _ => None,
+        }
+    }
 }
 
 /// `[gaze]`.

@@ -15,6 +15,8 @@ pub enum Gaze {
     BrightestEach,
     /// Points in time, rising: straight lines between them, the ends go on.
     Path(Vec<(f64, [f64; 2])>),
+    /// Points in time, rising: each is held from the one before until its own time.
+    Rows(Vec<(f64, [f64; 2])>),
 }
 
 impl Gaze {
@@ -22,8 +24,10 @@ impl Gaze {
     pub fn of(config: &Config) -> Result<Gaze> {
         let keys = &config.settings.gaze;
         if let Some(path) = &keys.path {
-            return Gaze::from_file(&config.path(path))
-                .map_err(|e| config.wrong("gaze.path", e.to_string()));
+            let gaze = Gaze::from_file(&config.path(path))
+                .map_err(|e| config.wrong("gaze.path", e.to_string()))?;
+            let held = config.settings.time.follows_the_gaze();
+            return Ok(if held { Gaze::Rows(gaze.rows()) } else { gaze });
         }
         Ok(match keys.at {
             Aim::At(at) => Gaze::At(at),
@@ -59,7 +63,21 @@ impl Gaze {
             Gaze::Brightest => first.unwrap_or(brightest),
             Gaze::BrightestEach => brightest,
             Gaze::Path(points) => of_fraction(along(points, time)),
+            Gaze::Rows(points) => of_fraction(held(points, time)),
         }
+    }
+
+    /// The points of a path; none where there is no path.
+    pub fn rows(self) -> Vec<(f64, [f64; 2])> {
+        match self {
+            Gaze::Path(points) | Gaze::Rows(points) => points,
+            _ => Vec::new(),
+        }
+    }
+
+    /// Where the first look goes, in pixels.
+    pub fn at_first(&self, survey: &Survey, size: [usize; 2]) -> [f64; 2] {
+        self.pixel(0.0, survey, size, None)
     }
 }
 
@@ -73,6 +91,12 @@ fn along(points: &[(f64, [f64; 2])], time: f64) -> [f64; 2] {
         (Some((_, at)), None) | (None, Some(&(_, at))) => at,
         (None, None) => [0.5, 0.5],
     }
+}
+
+/// The first point at or after a time, but for rounding.
+fn held(points: &[(f64, [f64; 2])], time: f64) -> [f64; 2] {
+    let at = points.partition_point(|&(t, _)| t < time * (1.0 - 1e-12));
+    points.get(at).or(points.last()).map_or([0.5, 0.5], |&(_, at)| at)
 }
 
 /// Reads `time_s,x,y` rows.
@@ -120,6 +144,16 @@ mod tests {
         assert_eq!(along(&points, -1.0), [0.5, 0.5]);
         assert_eq!(along(&points, 2.5), [0.7, 0.3]);
         assert_eq!(along(&points, 9.0), [0.9, 0.1]);
+    }
+
+    #[test]
+    fn a_row_is_held_until_its_own_time_whatever_the_last_bits_of_a_frames_end() {
+        let points = [(0.1, [0.1; 2]), (0.3, [0.3; 2]), (0.4, [0.4; 2])];
+        for (time, at) in
+            [(0.0, 0.1), (0.1, 0.1), (0.2, 0.3), (0.1 + 0.2, 0.3), (0.4, 0.4), (9.0, 0.4)]
+        {
+            assert_eq!(held(&points, time), [at; 2], "{time}");
+        }
     }
 
     #[test]

@@ -1,8 +1,9 @@
 //! Which file is looked at when: from `[time]` and the frames that are there to a list of looks.
 
 use crate::config::Config;
-use crate::config::settings::Time;
+use crate::config::settings::{Time, Times};
 use crate::error::Result;
+use crate::run::gaze::Gaze;
 
 /// One frame of the run: the light of `file`, held over [start, start + duration).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,8 +29,11 @@ const FPS: f64 = 24.0;
 /// The frames of a still that is stared at, numbered from 1.
 pub fn of_still(config: &Config) -> Result<Vec<Step>> {
     let time = &config.settings.time;
+    if time.follows_the_gaze() {
+        return of_path(config, &[]);
+    }
     let edges = match time {
-        Time { times_s: Some(times), .. } => edges_of_times(config, times)?,
+        Time { times_s: Some(Times::Listed(times)), .. } => edges_of_times(config, times)?,
         Time { duration_s: Some(duration), .. } => {
             even_edges(config, *duration, interval(time, FPS))?
         }
@@ -55,11 +59,27 @@ pub fn of_sequence(
             "belongs to a still; a sequence lasts as long as its frames",
         ));
     }
-    let edges = match &time.times_s {
+    let edges = match time.listed() {
         Some(times) => edges_of_frames(config, times, numbers.len())?,
         None => edges_of_numbers(numbers, interval(time, file_fps.unwrap_or(FPS))),
     };
-    Ok(steps(&edges, numbers.iter().copied().zip(shows.iter().copied())))
+    let frames = steps(&edges, numbers.iter().copied().zip(shows.iter().copied()));
+    if time.follows_the_gaze() { of_path(config, &frames) } else { Ok(frames) }
+}
+
+/// Frames that end at the rows of the gaze path, numbered from 1, each the light of the frame that
+/// is there when it begins. `frames`: those of a sequence, none for a still.
+fn of_path(config: &Config, frames: &[Step]) -> Result<Vec<Step>> {
+    let ends = Gaze::of(config)?.rows();
+    if ends.first().is_some_and(|&(end, _)| end <= 0.0) {
+        return Err(config.wrong("gaze.path", "its first frame ends at 0 s; accepted: later"));
+    }
+    let edges: Vec<f64> = std::iter::once(0.0).chain(ends.iter().map(|&(end, _)| end)).collect();
+    let file = |start: f64| {
+        let next = frames.partition_point(|frame| frame.start <= start);
+        frames.get(next.max(1) - 1).map_or(0, |frame| frame.file)
+    };
+    Ok(steps(&edges, (1..).zip(edges.iter().map(|&start| file(start)))))
 }
 
 /// Frames a second, where all frames but a shortened last one are alike.
