@@ -22,11 +22,17 @@ impl<T: Between> Field<'_, T> {
         let share = [0, 1].map(|i| from[i] - from[i].floor());
         for (k, out) in out.into_iter().enumerate() {
             let inside = self.inside(at[0], share[0], out.len());
-            let (before, after) = (0..inside.start, inside.end..out.len());
-            self.run([at[0] + inside.start as i64, at[1]], share, k, &mut out[inside]);
-            for i in before.chain(after) {
-                out[i] = self.sample([at[0] + i as i64, at[1]], share, k);
+            let from = [at[0] + inside.start as i64, at[1]];
+            out[..inside.start].fill(self.around[k]);
+            out[inside.end..].fill(self.around[k]);
+            // Places between the picture's edge and what is around it.
+            for column in [-1, self.width as i64 - 1] {
+                let i = column - at[0];
+                if (0..out.len() as i64).contains(&i) && !inside.contains(&(i as usize)) {
+                    out[i as usize] = self.sample([column, at[1]], share, k);
+                }
             }
+            self.run(from, share, k, &mut out[inside]);
         }
     }
 
