@@ -65,6 +65,7 @@
 //! | [`config`] | TOML -> everything above | a key: a field in `config/settings.rs`, a range in `check.rs` |
 //! | [`page`] | `report.html` and the live page: one HTML file | a panel: a script in `page/`, a line in [`page`] |
 //! | [`run`] | the loop: reader, eye, writer; checkpoints, report | |
+//! | [`view`] | the same loop, live: a server, a page, and a path that can be gone back along | |
 //! | [`sweep`] | cases and durations, their table and contact sheet | |
 //! | [`validate`] | what the program computes beside what it should | a check: a row in the file of its topic |
 //! | [`chart`] | the charts that the program makes of itself | a file and a row of [`chart::CHARTS`] |
@@ -117,4 +118,5 @@ pub mod step;
 pub mod sweep;
 pub mod units;
 pub mod validate;
+pub mod view;
 pub mod vision;

@@ -10,6 +10,7 @@ mod stop;
 mod sweep;
 mod table;
 mod validate;
+mod view;
 mod watch;
 
 use std::path::{Path, PathBuf};
@@ -50,6 +51,18 @@ enum Command {
         config: PathBuf,
         #[command(flatten)]
         asked: sweep::Asked,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Look through the eye, live, on a page in the browser: click where to look.
+    #[command(
+        after_help = "Examples:\n  sungaze view\n  sungaze view --port 8765 --no-open   and elsewhere: ssh -L 8765:127.0.0.1:8765 HOST"
+    )]
+    View {
+        /// A TOML file; without one, the built-in sunset.
+        config: Option<PathBuf>,
+        #[command(flatten)]
+        asked: view::Asked,
         #[command(flatten)]
         common: Common,
     },
@@ -172,6 +185,9 @@ fn dispatch(command: Command) -> Result<ExitCode> {
     match command {
         Command::Run { config, common } => run::command(config.as_deref(), &common),
         Command::Sweep { config, asked, common } => sweep::command(&config, &asked, &common),
+        Command::View { config, asked, common } => {
+            view::command(config.as_deref(), &asked, &common)
+        }
         Command::Chart { names, common } => chart::command(&names, &common),
         Command::Plan { config, common } => plan::command(&config, &common),
         Command::Inspect { files, common } => inspect::command(&files, &common),

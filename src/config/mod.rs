@@ -106,6 +106,58 @@ impl Config {
         Ok(config)
     }
 
+    /// The same with values as a page sends them; null takes a key back to its default.
+    pub fn with_values(&self, changes: &[(String, serde_json::Value)]) -> Result<Config> {
+        let mut config = self.clone();
+        let (gone, changes): (Vec<_>, Vec<_>) = changes.iter().partition(|(_, v)| v.is_null());
+        gone.iter().for_each(|(key, _)| remove(&mut config.keys, key));
+        config.settings =
+            effective(&config.keys).map_err(|(key, problem)| self.wrong(&key, problem))?;
+        let value = |(key, v): &(String, serde_json::Value)| {
+            let value = Value::try_from(v).map_err(|e| self.wrong(key, e.to_string()))?;
+            Ok((key.clone(), value))
+        };
+        config.with(&changes.into_iter().map(value).collect::<Result<Vec<_>>>()?)
+    }
+
+    /// Whether the file or `--set` gives a key, dotted.
+    pub fn gives(&self, key: &str) -> bool {
+        let mut parts = key.split('.');
+        let first = parts.next().and_then(|part| self.keys.get(part));
+        parts.fold(first, |value, part| value?.get(part)).is_some()
+    }
+
+    /// The TOML of a run that follows a gaze path beside it, under all else that this configuration
+    /// gives. Its frames are named so that it may lie anywhere.
+    pub fn viewing(&self, path: &str) -> Result<String> {
+        let mut keys = self.keys.clone();
+        remove(&mut keys, "gaze.at");
+        for time in ["time.times_s", "time.duration_s"] {
+            remove(&mut keys, time);
+        }
+        let mut changes = vec![("gaze.path", path.into()), ("time.times_s", "gaze.path".into())];
+        if let Some(frames) = &self.settings.input.frames {
+            changes.push(("input.frames", self.anywhere(frames)));
+        }
+        for (key, value) in changes {
+            insert(&mut keys, key, value).map_err(|problem| self.wrong(key, problem))?;
+        }
+        toml::to_string(&keys).map_err(|e| self.wrong("save", e.to_string()))
+    }
+
+    /// Frames by names that do not depend on where the configuration lies.
+    fn anywhere(&self, frames: &settings::OneOrMany) -> Value {
+        let absolute = |name: &String| {
+            let path = self.path(name);
+            let path = std::path::absolute(&path).unwrap_or(path);
+            Value::String(path.to_string_lossy().into_owned())
+        };
+        match frames {
+            settings::OneOrMany::One(name) => absolute(name),
+            settings::OneOrMany::Many(names) => Value::Array(names.iter().map(absolute).collect()),
+        }
+    }
+
     /// An error about one of the keys: at its line if the file has it, or at the setting that gave
     /// it.
     pub fn wrong(&self, key: &str, problem: impl Into<String>) -> Error {
@@ -213,6 +265,18 @@ fn parse_set(set: &str) -> Result<(String, Value)> {
         .ok()
         .and_then(|mut t| t.remove("value"));
     Ok((key.to_owned(), as_toml.unwrap_or_else(|| Value::String(value.to_owned()))))
+}
+
+/// Takes a dotted key away.
+fn remove(table: &mut Table, key: &str) {
+    match key.split_once('.') {
+        None => drop(table.remove(key)),
+        Some((head, rest)) => {
+            if let Some(Value::Table(inner)) = table.get_mut(head) {
+                remove(inner, rest);
+            }
+        }
+    }
 }
 
 /// Sets a dotted key.

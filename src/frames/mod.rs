@@ -42,7 +42,7 @@ pub use inspect::{Inspection, LuminanceWeights, inspect};
 pub use png_bytes::decode_png;
 pub use sequence::{Missing, Sequence};
 pub use state::{read_state, write_state};
-pub use written::{About, Compression, write_exr, write_png};
+pub use written::{About, Compression, encode_png, write_exr, write_png};
 
 use crate::colour::Primaries;
 use crate::error::Error;

@@ -257,15 +257,22 @@ fn packed(
 
 /// Writes an 8-bit sRGB picture: `width * height` pixels of red, green, blue.
 pub fn write_png(path: &Path, width: usize, height: usize, rgb: &[u8]) -> Result<()> {
-    write_whole(path, |sink| {
-        let mut encoder = png::Encoder::new(sink, width as u32, height as u32);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_compression(png::Compression::Fast);
-        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(rgb)?;
-        writer.finish()?;
-        Ok(())
-    })
+    write_whole(path, |sink| encode_png(sink, width, height, rgb))
+}
+
+/// Encodes such a picture.
+pub fn encode_png(
+    sink: impl std::io::Write,
+    width: usize,
+    height: usize,
+    rgb: &[u8],
+) -> std::io::Result<()> {
+    let mut encoder = png::Encoder::new(sink, width as u32, height as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Fast);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(rgb)?;
+    Ok(writer.finish()?)
 }

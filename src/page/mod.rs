@@ -32,11 +32,12 @@ pub use table::{FRAMES, Table};
 
 const HTML: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
-const SCRIPTS: [&str; 6] = [
+const SCRIPTS: [&str; 7] = [
     include_str!("basics.js"),
     include_str!("chart.js"),
     include_str!("words.js"),
     include_str!("report.js"),
+    include_str!("controls.js"),
     include_str!("live.js"),
     include_str!("main.js"),
 ];
