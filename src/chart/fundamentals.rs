@@ -20,11 +20,11 @@ const PAPERS_P: [(f64, Ink); 2] = [(0.06, VERMILION), (0.09, BLUE)];
 
 pub(super) fn write(out_dir: &Path, progress: Progress) -> Result<()> {
     progress("fundamentals: the paper's Figs. 1 to 3");
-    let mut sheet = Sheet::new(1200.0, 1025.0);
+    let mut sheet = Sheet::new(1000.0, 866.0);
     sheet.bold(
-        (600.0, 32.0),
+        (500.0, 28.0),
         "The paper's Figs. 1 to 3, and what is used here",
-        22,
+        20,
         Anchor::Middle,
         BLACK,
     );
@@ -36,7 +36,7 @@ pub(super) fn write(out_dir: &Path, progress: Progress) -> Result<()> {
 }
 
 fn panel(left: f64, top: f64, x: Axis<'static>, y: Axis<'static>) -> Panel<'static> {
-    Panel { left, top, width: 470.0, height: 350.0, x, y }
+    Panel { left, top, width: 390.0, height: 290.0, x, y }
 }
 
 fn linear(from: f64, to: f64, every: f64, label: &'static str) -> Axis<'static> {
@@ -49,16 +49,16 @@ fn title(sheet: &mut Sheet, panel: &Panel, words: &str) {
 
 /// An entry of a legend: a sample of the line and words.
 fn legend(sheet: &mut Sheet, at: (f64, f64), ink: Ink, width: f64, dashes: &str, words: &str) {
-    sheet.line((at.0, at.1 - 5.0), (at.0 + 34.0, at.1 - 5.0), ink, width, dashes);
-    sheet.text((at.0 + 42.0, at.1), words, 15, Anchor::Start, BLACK);
+    sheet.line((at.0, at.1 - 5.0), (at.0 + 26.0, at.1 - 5.0), ink, width, dashes);
+    sheet.text((at.0 + 32.0, at.1), words, 14, Anchor::Start, BLACK);
 }
 
 /// Fig. 1: eta = 10^(-p r^2) for the paper's two constants, and the pupil's mean that is the
 /// default.
 fn weight(sheet: &mut Sheet) {
     let panel = panel(
-        95.0,
-        115.0,
+        72.0,
+        102.0,
         linear(-4.0, 4.0, 1.0, "r, distance from the pupil's centre (mm)"),
         linear(0.0, 1.0, 0.2, "relative efficiency η"),
     );
@@ -79,22 +79,22 @@ fn weight(sheet: &mut Sheet) {
         let (x, y) = panel.at(0.0, 0.12 - 0.07 * i as f64);
         sheet.text((x + 10.0, y), &format!("p = {p} mm⁻²"), 15, Anchor::Start, ink);
     }
-    legend(sheet, (95.0, panel.top - 10.0), GREY, 2.4, "", "a ray at r (paper)");
+    legend(sheet, (panel.left, panel.top - 10.0), GREY, 2.4, "", "a ray at r (paper)");
     legend(
         sheet,
-        (285.0, panel.top - 10.0),
+        (panel.left + 182.0, panel.top - 10.0),
         GREY,
         1.8,
         "9 6",
-        "mean of a pupil of radius r (default)",
+        "a pupil's mean (default)",
     );
 }
 
 /// Fig. 2: p(lambda) as measured, and corrected for the lens.
 fn steepness(sheet: &mut Sheet) {
     let panel = panel(
-        695.0,
-        115.0,
+        572.0,
+        102.0,
         linear(400.0, 700.0, 50.0, "wavelength (nm)"),
         linear(0.0, 0.14, 0.02, "p (mm⁻²)"),
     );
@@ -110,9 +110,9 @@ fn steepness(sheet: &mut Sheet) {
     ];
     for (i, (steepness, ink, words)) in curves.into_iter().enumerate() {
         sheet.polyline(&visible(&panel, &steepness.curve(), 1.0), ink, 2.4, "");
-        legend(sheet, (830.0, 143.0 + 22.0 * i as f64), ink, 2.4, "", words);
+        legend(sheet, (650.0, 126.0 + 21.0 * i as f64), ink, 2.4, "", words);
     }
-    legend(sheet, (830.0, 187.0), GREY, 1.2, "2 4", "Fig. 1's constants 0.06 and 0.09");
+    legend(sheet, (650.0, 168.0), GREY, 1.2, "2 4", "Fig. 1's constants 0.06 and 0.09");
 }
 
 /// A curve from 400 to 700 nm, times a number.
@@ -123,7 +123,7 @@ fn visible(panel: &Panel, curve: &Curve, factor: f64) -> Vec<(f64, f64)> {
 fn cones_panel(sheet: &mut Sheet, left: f64, words: &str) -> Panel<'static> {
     let panel = panel(
         left,
-        595.0,
+        510.0,
         linear(400.0, 700.0, 50.0, "wavelength (nm)"),
         linear(0.0, 1.0, 0.2, "sensitivity (energy)"),
     );
@@ -134,7 +134,7 @@ fn cones_panel(sheet: &mut Sheet, left: f64, words: &str) -> Panel<'static> {
 
 /// Fig. 3, top: the paper's fundamentals and the standard ones.
 fn whole(sheet: &mut Sheet) {
-    let panel = cones_panel(sheet, 95.0, "Fig. 3, top: unbleached cones");
+    let panel = cones_panel(sheet, 72.0, "Fig. 3, top: unbleached cones");
     for (k, ink) in CONE_INKS.into_iter().enumerate() {
         let [smj, cie] = [Set::Smj1993, Set::Cie2006].map(|set| cones(set).unbleached(k).clone());
         let peak = panel.at(smj.peak_and_width().0, 0.0).0;
@@ -142,13 +142,13 @@ fn whole(sheet: &mut Sheet) {
         sheet.polyline(&visible(&panel, &smj, 1.0), ink, 2.4, "");
         sheet.polyline(&visible(&panel, &cie, 1.0), BLACK, 1.4, "5 6");
     }
-    legend(sheet, (95.0, panel.top - 10.0), GREY, 2.4, "", "SMJ 1993 (paper)");
-    legend(sheet, (285.0, panel.top - 10.0), BLACK, 1.4, "5 6", "CIE 2006 (default)");
+    legend(sheet, (panel.left, panel.top - 10.0), GREY, 2.4, "", "SMJ 1993 (paper)");
+    legend(sheet, (panel.left + 182.0, panel.top - 10.0), BLACK, 1.4, "5 6", "CIE 2006 (default)");
 }
 
 /// Fig. 3, bottom: half of the pigment gone, in both readings of "narrowing".
 fn bleached(sheet: &mut Sheet) {
-    let panel = cones_panel(sheet, 695.0, "Fig. 3, bottom: half of the pigment bleached");
+    let panel = cones_panel(sheet, 572.0, "Fig. 3, bottom: half of the pigment gone");
     let eye = cones(Set::Smj1993);
     for (k, ink) in CONE_INKS.into_iter().enumerate() {
         let half = eye.depleted(k, 0.5);
@@ -158,9 +158,9 @@ fn bleached(sheet: &mut Sheet) {
         sheet.polyline(&visible(&panel, &half, 1.0 / half.peak()), ink, 2.4, "");
         sheet.polyline(&visible(&panel, &half, 1.0), ink, 1.8, "9 6");
     }
-    legend(sheet, (695.0, panel.top - 10.0), GREY, 1.2, "2 4", "whole");
-    legend(sheet, (795.0, panel.top - 10.0), GREY, 2.4, "", "narrowed (paper)");
-    legend(sheet, (973.0, panel.top - 10.0), GREY, 1.8, "9 6", "depleted (default)");
+    legend(sheet, (panel.left, panel.top - 10.0), GREY, 1.2, "2 4", "whole");
+    legend(sheet, (panel.left + 88.0, panel.top - 10.0), GREY, 2.4, "", "narrowed (paper)");
+    legend(sheet, (panel.left + 250.0, panel.top - 10.0), GREY, 1.8, "9 6", "depleted (default)");
 }
 
 fn cones(set: Set) -> Fundamentals {

@@ -161,7 +161,7 @@ fn name_light(sheet: &mut Sheet, panel: &Panel, curve: &[(f64, f64)], log_light:
     let rise = curve.iter().find(|(_, bleached)| *bleached > 0.62 * end);
     let (place, above) = match rise.filter(|_| end >= 0.45) {
         Some(&(time, bleached)) => (panel.at(time, bleached), -4.0),
-        None => (panel.at(LONGEST_S, end), 7.0),
+        None => (panel.at(LONGEST_S, end), 3.0),
     };
     let at = (place.0 - 7.0, place.1 - above);
     sheet.text(at, &power(log_light), 14, Anchor::End, ink);

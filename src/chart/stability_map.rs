@@ -53,22 +53,22 @@ fn shade(amplification: f64, x: f64) -> Ink {
 }
 
 const CELLS: u32 = 300;
-const ROW: f64 = 34.0;
+const ROW: f64 = 31.0;
 
 fn draw(measured: &[Measured]) -> Sheet {
     let height = ROW * measured.len() as f64;
-    let mut sheet = Sheet::new(1200.0, height + 330.0);
+    let mut sheet = Sheet::new(1000.0, height + 316.0);
     sheet.bold(
-        (600.0, 34.0),
+        (500.0, 30.0),
         "Where methods fail: one step of h λ under held light",
-        24,
+        20,
         Anchor::Middle,
         BLACK,
     );
     let label = "h λ = h (1 + I/I0)/τ";
     let x = Axis { from: 1e-2, to: 1e3, logarithmic: true, every: 1.0, label };
     let y = Axis { from: 0.0, to: 1.0, logarithmic: false, every: 2.0, label: "" };
-    let panel = Panel { left: 210.0, top: 110.0, width: 640.0, height, x, y };
+    let panel = Panel { left: 200.0, top: 106.0, width: 492.0, height, x, y };
     for (i, of) in measured.iter().enumerate() {
         draw_row(&mut sheet, &panel, of, panel.top + ROW * i as f64);
     }
@@ -90,7 +90,7 @@ fn draw_row(sheet: &mut Sheet, panel: &Panel, of: &Measured, top: f64) {
         }
     }
     let (middle, dark) = (top + 0.5 * ROW, BLACK);
-    sheet.text((panel.left - 12.0, middle + 6.0), of.method.name, 16, Anchor::End, dark);
+    sheet.text((panel.left - 12.0, middle + 6.0), of.method.name, 15, Anchor::End, dark);
     for (theory, found) in
         [(of.method.bounded_to, of.bounded_to), (of.method.stable_to, of.stable_to)]
     {
@@ -143,7 +143,7 @@ fn frame(sheet: &mut Sheet, panel: &Panel) {
 
 /// Order and limits in numbers, theory first.
 fn columns(sheet: &mut Sheet, panel: &Panel, measured: &[Measured]) {
-    let at = [925.0, 1020.0, 1130.0];
+    let at = [752.0, 842.0, 942.0];
     for (x, (name, under)) in at.iter().zip([
         ("order", "measured"),
         ("stable to", "measured"),
@@ -164,25 +164,25 @@ fn columns(sheet: &mut Sheet, panel: &Panel, measured: &[Measured]) {
 }
 
 fn legend(sheet: &mut Sheet, top: f64) {
-    sheet.text((60.0, top + 16.0), "error of the step:", 16, Anchor::Start, BLACK);
+    sheet.text((20.0, top + 16.0), "error of the step:", 15, Anchor::Start, BLACK);
     let names = ["< 10⁻⁸", "< 10⁻⁴", "< 10⁻³", "< 10⁻²", "< 0.1", "more"];
     for (i, (ink, name)) in SHADES.iter().zip(names).enumerate() {
-        let x = 205.0 + 118.0 * i as f64;
-        sheet.block((x, top), 36.0, 22.0, BLACK);
-        sheet.block((x + 1.0, top + 1.0), 34.0, 20.0, *ink);
-        sheet.text((x + 42.0, top + 16.0), name, 16, Anchor::Start, BLACK);
+        let x = 166.0 + 101.0 * i as f64;
+        sheet.block((x, top), 30.0, 22.0, BLACK);
+        sheet.block((x + 1.0, top + 1.0), 28.0, 20.0, *ink);
+        sheet.text((x + 36.0, top + 16.0), name, 15, Anchor::Start, BLACK);
     }
-    sheet.block((915.0, top), 36.0, 22.0, VERMILION);
-    sheet.text((957.0, top + 16.0), "blows up: |R| > 1", 16, Anchor::Start, BLACK);
-    let below = top + 38.0;
-    sheet.block((60.0, below + 8.0), 36.0, 6.0, BLACK);
-    sheet.text((104.0, below + 16.0), "R < 0: rings, negative pigment", 16, Anchor::Start, BLACK);
-    sheet.line((395.0, below), (395.0, below + 22.0), BLACK, 3.0, "");
-    sheet.text((407.0, below + 16.0), "limit in theory", 16, Anchor::Start, BLACK);
-    sheet.mark((565.0, below + 11.0), Marker::Disc, 6.5, BLACK);
-    sheet.mark((565.0, below + 11.0), Marker::Disc, 4.5, WHITE);
-    sheet.text((580.0, below + 16.0), "limit measured on the code", 16, Anchor::Start, BLACK);
+    sheet.block((782.0, top), 30.0, 22.0, VERMILION);
+    sheet.text((818.0, top + 16.0), "blows up: |R| > 1", 15, Anchor::Start, BLACK);
+    let below = top + 36.0;
+    sheet.block((20.0, below + 8.0), 30.0, 6.0, BLACK);
+    sheet.text((58.0, below + 16.0), "R < 0: rings, negative pigment", 15, Anchor::Start, BLACK);
+    sheet.line((345.0, below), (345.0, below + 22.0), BLACK, 3.0, "");
+    sheet.text((356.0, below + 16.0), "limit in theory", 15, Anchor::Start, BLACK);
+    sheet.mark((512.0, below + 11.0), Marker::Disc, 6.5, BLACK);
+    sheet.mark((512.0, below + 11.0), Marker::Disc, 4.5, WHITE);
+    sheet.text((526.0, below + 16.0), "limit measured on the code", 15, Anchor::Start, BLACK);
     let words =
         "One frame of the sun, 10¹⁰ td, is h λ = 174: far past the limit of every explicit method.";
-    sheet.text((60.0, below + 52.0), words, 16, Anchor::Start, BLUE);
+    sheet.text((20.0, below + 50.0), words, 15, Anchor::Start, BLUE);
 }

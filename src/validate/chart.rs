@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use super::{Check, Field, Validation, Verdict, summary};
+use super::{Check, Field, Group, Validation, Verdict, summary};
 use crate::error::Result;
 
 use crate::plot::axes::power;
@@ -15,11 +15,12 @@ use crate::plot::{Axis, Panel};
 
 /// Draws what a validation found.
 pub fn write(out_dir: &Path, validation: &Validation) -> Result<()> {
-    let mut sheet = Sheet::new(1200.0, 985.0);
+    let rows = judged(validation).count();
+    let mut sheet = Sheet::new(1000.0, SHARES_TOP + ROW * rows as f64 + 62.0);
     sheet.bold(
-        (600.0, 32.0),
+        (500.0, 28.0),
         "The steady state is the limit of long exposure",
-        22,
+        20,
         Anchor::Middle,
         BLACK,
     );
@@ -50,11 +51,12 @@ fn falls(sheet: &mut Sheet, fields: &[Field]) {
         label: "time under steady light (s)",
     };
     let y = Axis { from: 1e-16, to: 1.0, logarithmic: true, every: 2.0, label: "" };
-    let panel = Panel { left: 95.0, top: 90.0, width: 500.0, height: 380.0, x, y };
+    let panel = Panel { left: 80.0, top: 96.0, width: 400.0, height: 340.0, x, y };
     panel.frame(sheet);
-    sheet.upward((24.0, 280.0), "|p − steady p|", 16, BLACK);
-    let title = "Error of the steady state, standard L cone, from all and no pigment";
-    sheet.bold((panel.left, 78.0), title, 16, Anchor::Start, BLACK);
+    sheet.upward((26.0, 266.0), "|p − steady p|", 16, BLACK);
+    sheet.bold((panel.left, 66.0), "Error of the steady state", 16, Anchor::Start, BLACK);
+    let of = "standard L cone, from all and from no pigment";
+    sheet.text((panel.left, 86.0), of, 14, Anchor::Start, GREY);
     let drawn = || fields.iter().filter(is_drawn).filter(|field| field.start != 0.5);
     let shown = |points: &[(f64, f64)]| -> Vec<_> {
         points.iter().filter(|p| p.0 >= 1e-6 && p.1 >= 1e-16).map(|p| panel.at(p.0, p.1)).collect()
@@ -71,15 +73,16 @@ fn falls(sheet: &mut Sheet, fields: &[Field]) {
     }
     for field in drawn().filter(|field| field.start == 0.0 && field.light > 1e3) {
         let (at, anchor, words) = match field.light {
-            ..1e5 => ((9e3, 3e-9), Anchor::Start, "1 to 10⁴ td".into()),
+            ..1e5 => ((8e5, 3e-9), Anchor::End, "1 to 10⁴ td".into()),
             light => {
                 ((15.0 / field.rate, 3e-14), Anchor::End, format!("{} td", power(light.log10())))
             }
         };
         sheet.text(panel.at(at.0, at.1), &words, 14, anchor, ink(field.light));
     }
-    sheet.line((115.0, 425.0), (150.0, 425.0), FAINT, 7.0, "");
-    sheet.text((158.0, 430.0), "theory", 15, Anchor::Start, BLACK);
+    let (x, y) = (panel.left + 16.0, panel.bottom() - 40.0);
+    sheet.line((x, y), (x + 34.0, y), FAINT, 7.0, "");
+    sheet.text((x + 42.0, y + 5.0), "theory", 15, Anchor::Start, BLACK);
 }
 
 /// Fitted rates of every start, on the line (1 + I/I0)/tau.
@@ -87,9 +90,9 @@ fn rates(sheet: &mut Sheet, fields: &[Field]) {
     let x = Axis { from: 1.0, to: 1e10, logarithmic: true, every: 2.0, label: "light (td)" };
     let y =
         Axis { from: 1e-3, to: 1e4, logarithmic: true, every: 1.0, label: "rate of fall (1/s)" };
-    let panel = Panel { left: 700.0, top: 90.0, width: 450.0, height: 380.0, x, y };
+    let panel = Panel { left: 584.0, top: 96.0, width: 386.0, height: 340.0, x, y };
     panel.frame(sheet);
-    sheet.bold((panel.left, 78.0), "Fitted rate, on (1 + I/I₀)/τ", 16, Anchor::Start, BLACK);
+    sheet.bold((panel.left, 86.0), "Fitted rate, on (1 + I/I₀)/τ", 16, Anchor::Start, BLACK);
     let line: Vec<_> =
         fields.iter().filter(|f| f.start == 1.0).map(|f| panel.at(f.light, f.rate)).collect();
     sheet.polyline(&line, GREY, 2.0, "");
@@ -99,15 +102,24 @@ fn rates(sheet: &mut Sheet, fields: &[Field]) {
             sheet.mark(panel.at(field.light, field.fitted), marker, size, BLUE);
         }
         let y = 120.0 + 24.0 * i as f64;
-        sheet.mark((725.0, y), marker, size, BLUE);
-        sheet.text((742.0, y + 5.0), &format!("from p = {start}"), 15, Anchor::Start, BLACK);
+        sheet.mark((606.0, y), marker, size, BLUE);
+        sheet.text((622.0, y + 5.0), &format!("from p = {start}"), 15, Anchor::Start, BLACK);
     }
+}
+
+/// Where the shares begin, and the height of a group of them.
+const SHARES_TOP: f64 = 556.0;
+const ROW: f64 = 40.0;
+
+/// The groups with a check that is judged.
+fn judged(validation: &Validation) -> impl Iterator<Item = &Group> {
+    validation.groups.iter().filter(|group| group.checks.iter().any(|c| c.share().is_some()))
 }
 
 /// Every check as a point: its difference as a share of its tolerance; what passes lies left of
 /// one.
 fn shares(sheet: &mut Sheet, validation: &Validation) {
-    let (left, top, row) = (520.0, 600.0, 44.0);
+    let (left, top) = (410.0, SHARES_TOP);
     let x = Axis {
         from: 1e-6,
         to: 1e2,
@@ -115,21 +127,20 @@ fn shares(sheet: &mut Sheet, validation: &Validation) {
         every: 1.0,
         label: "difference as a share of the tolerance",
     };
-    let judged: Vec<_> =
-        validation.groups.iter().filter(|g| g.checks.iter().any(|c| c.share().is_some())).collect();
-    let height = row * judged.len() as f64;
+    let judged: Vec<_> = judged(validation).collect();
+    let height = ROW * judged.len() as f64;
     let y = Axis { from: 0.1, to: 1.0, logarithmic: false, every: 2.0, label: "" };
-    let panel = Panel { left, top, width: 630.0, height, x, y };
+    let panel = Panel { left, top, width: 560.0, height, x, y };
     let pass = panel.at(1.0, 1.0).0;
     sheet.block((left, top), pass - left, height, PALE_GREEN);
     sheet.block((pass, top), panel.right() - pass, height, PALE_RED);
     panel.frame(sheet);
-    sheet.bold((95.0, top - 14.0), &summary(validation), 16, Anchor::Start, BLACK);
+    sheet.bold((20.0, top - 16.0), &summary(validation), 16, Anchor::Start, BLACK);
     sheet.text((pass - 8.0, top - 14.0), "pass", 15, Anchor::End, GREEN);
     sheet.text((pass + 8.0, top - 14.0), "fail", 15, Anchor::Start, VERMILION);
     for (i, group) in judged.iter().enumerate() {
-        let y = top + row * (i as f64 + 0.5);
-        sheet.text((left - 12.0, y + 5.0), &short(group.title), 15, Anchor::End, BLACK);
+        let y = top + ROW * (i as f64 + 0.5);
+        sheet.text((left - 12.0, y + 5.0), &short(group.title), 14, Anchor::End, BLACK);
         for (j, check) in group.checks.iter().enumerate() {
             let jitter = 9.0 * ((j * 7 % 5) as f64 - 2.0) / 2.0;
             mark(sheet, &panel, y + jitter, check);
