@@ -90,10 +90,13 @@
 //!
 //! # What is decided where the sources are silent
 //!
-//! *One luminance everywhere*: V is the Y row of the observer's own LMS -> XYZ, 10.9 % above CIE
-//! 1931 for equal-energy light. *One cone troland*: an equal-energy light of 1 td gives 1 in every
-//! class ([`observer::Observer::cone_troland`]); multiplying a luminance by a fundamental, as the paper
-//! of 2005 writes it, would count V twice. The effect of the pupil's margin (Stiles-Crawford)
+//! *One luminance everywhere*: cd/m2 are what a photometer reads of D65; V is the Y row of the
+//! observer's own LMS -> XYZ, and K makes the two agree ([`observer::Photometry`]). With 2 degrees
+//! equal energy reads 1.0007 of what CIE 1931 says, a 2900 K lamp .996, the low sun 1.013. *One
+//! colour space*: one matrix from catches to the percept, for light of every kind; RGB is re-mixed so
+//! that unbleached it is itself. *One cone troland*: an equal-energy light of 1 td gives 1 in every
+//! class ([`observer::Observer::cone_troland`]); multiplying a luminance by a fundamental, as the
+//! paper of 2005 writes it, would count V twice. The effect of the pupil's margin (Stiles-Crawford)
 //! enters the trolands only, never the percept.
 
 pub mod chart;

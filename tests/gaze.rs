@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use sungaze::colour::Primaries;
 use sungaze::eye::check;
 use sungaze::eye::pigment::Model;
-use sungaze::eye::{self, Eye, EyeBuilder, Stimulus};
+use sungaze::eye::{self, Eye, EyeBuilder, Stimulus, Surround};
 use sungaze::kinetics::Kinetics;
 use sungaze::light::{Planes, Samples};
 use sungaze::observer::{Directional, Observer, Reading, Steepness};
@@ -20,7 +20,10 @@ fn builder(observer: Observer, model: Model) -> EyeBuilder {
     let vision = Vision::of_rgb(observer, &Primaries::REC709, Nits(1e4)).unwrap();
     let pigments = [Kinetics::first_order(Trolands(2e4), Seconds(120.0)); 3];
     let across = Degrees(WIDTH as f64 / 2.0);
-    Eye::builder(vision, [WIDTH, HEIGHT], across).pigments(pigments).model(model, None)
+    Eye::builder(vision, [WIDTH, HEIGHT], across)
+        .pigments(pigments)
+        .model(model, None)
+        .surround(Surround::Uniform(Nits(0.0)))
 }
 
 fn eye(model: Model) -> Eye {
@@ -130,7 +133,7 @@ fn looking_away_from_a_light_leaves_its_image_where_the_gaze_goes() {
 #[test]
 fn places_that_the_picture_reaches_anew_have_lived_through_no_frame_twice() {
     let light = some_picture();
-    let start = || builder(Observer::standard(), tracked()).surround(Nits(3e4));
+    let start = || builder(Observer::standard(), tracked()).surround(Surround::Uniform(Nits(3e4)));
     let mut covering = sungaze::eye::retina::Retina::rested(WIDTH, HEIGHT);
     covering.cover([-12, -7], [24, 14], WIDTH);
     let (mut growing, mut grown) = (start().build().unwrap(), start().build().unwrap());
@@ -147,7 +150,8 @@ fn checked(method: &str, reading: Reading) -> f64 {
     observer.directional = Directional::new(reading, Steepness::LensCorrected);
     let model =
         Model::Tracked { method: Method::named(method).unwrap(), substeps: 0, budget: 1e-3 };
-    let mut eye = builder(observer, model).surround(Nits(300.0)).build().unwrap();
+    let mut eye =
+        builder(observer, model).surround(Surround::Uniform(Nits(300.0))).build().unwrap();
     let light = some_picture();
     let places = check::places(eye.vision(), &light);
     for i in 0..8 {

@@ -15,7 +15,7 @@ use sungaze::observer::{
 };
 use sungaze::run::{self, Existing, Unwatched};
 use sungaze::spectrum::Curve;
-use sungaze::units::{LUMENS_PER_WATT, Millimetres, Nits};
+use sungaze::units::{Millimetres, Nits};
 use sungaze::vision::{LEVEL_BOUND, Vision};
 
 const NM: std::ops::RangeInclusive<usize> = 390..=830;
@@ -53,6 +53,8 @@ struct Paper {
     /// p(lambda) after Stiles, corrected for the lens.
     steepness: Vec<f64>,
     v: Vec<f64>,
+    /// K, lm/W: D65 reads what CIE 1931 says.
+    k: f64,
     own_peak: bool,
 }
 
@@ -75,7 +77,7 @@ impl Paper {
         for nm in NM.filter(|&nm| nm > 520) {
             s[nm - 390] = 10f64.powf(10402.1 / nm as f64 - 21.7185);
         }
-        let v = (0..l.len())
+        let v: Vec<f64> = (0..l.len())
             .map(|i| 0.67255343 * l[i] + 0.36795030 * m[i] - 0.00489612 * s[i])
             .collect();
         let absorbance = ["l", "m", "s"].map(|cone| {
@@ -85,11 +87,14 @@ impl Paper {
         let (stiles, lens) =
             (column("stiles_crawford.csv", "p"), column("cone_pieces.csv", "lens_density"));
         let steepness = NM.map(|nm| between(&stiles, nm) + 0.037 * lens[&nm]).collect();
-        Paper { cones: [l, m, s], absorbance, steepness, v, own_peak }
+        let y = column("cie1931_2deg.csv", "y");
+        let y: Vec<f64> = NM.map(|nm| y[&nm]).collect();
+        let k = 683.002 * dot(&d65(), &y) / dot(&d65(), &v);
+        Paper { cones: [l, m, s], absorbance, steepness, v, k, own_peak }
     }
 
     fn luminance(&self, light: &[f64]) -> f64 {
-        683.002 * light.iter().zip(&self.v).map(|(e, v)| e * v).sum::<f64>()
+        self.k * light.iter().zip(&self.v).map(|(e, v)| e * v).sum::<f64>()
     }
 
     /// Fundamental of a cone whose bleached fraction is b: narrowed by its own pigment, optical
@@ -128,31 +133,53 @@ impl Paper {
                 let weighted = light.iter().zip(&self.cones[k]).zip(&self.steepness);
                 let integral: f64 =
                     weighted.map(|((e, s), p)| e * 10f64.powf(-p * r * r) * s).sum(); // Eq. 5 to 7
-                let td = 683.002 * c * area * integral; // Eq. 2
+                let td = self.k * c * area * integral; // Eq. 2
                 let b = td / (td + 10f64.powf(3.89)); // Eq. 1
                 let seen = self.narrowed(k, b);
                 found.trolands[k] = td;
                 found.bleached[k] = b;
-                found.catch[k] = 683.002 * light.iter().zip(&seen).map(|(e, s)| e * s).sum::<f64>();
+                found.catch[k] = self.k * light.iter().zip(&seen).map(|(e, s)| e * s).sum::<f64>();
             }
             found
         };
         (d, lights.iter().enumerate().map(place).collect())
     }
 
-    /// Linear sRGB of 1 cd/m2 white -> catches, from Mallett & Yuksel's basis under D65.
+    /// Linear sRGB in cd/m2 -> catches: the CIE 1964 matrix of the set, X and Z scaled so that D65
+    /// falls on .3127, .3290.
     fn of_srgb(&self) -> [[f64; 3]; 3] {
-        let d65 = column("d65.csv", "d65");
-        let basis = ["rho_r", "rho_g", "rho_b"].map(|name| column("mallett_yuksel_2019.csv", name));
-        let sum = |rho: &BTreeMap<usize, f64>, curve: &[f64]| -> f64 {
-            rho.iter()
-                .filter(|(nm, _)| **nm >= 390)
-                .map(|(nm, r)| r * between(&d65, *nm) * curve[nm - 390])
-                .sum()
-        };
-        let white: f64 = basis.iter().map(|rho| sum(rho, &self.v)).sum();
-        [0, 1, 2].map(|k| [0, 1, 2].map(|j| sum(&basis[j], &self.cones[k]) / white))
+        let to_xyz = [
+            [0.4123907993, 0.3575843394, 0.1804807884],
+            [0.2126390059, 0.7151686788, 0.0721923154],
+            [0.0193308187, 0.1191947798, 0.9505321522],
+        ];
+        let of_lms = [
+            [1.85618309, -1.26433791, 0.40860525],
+            [0.67255343, 0.36795030, -0.00489612],
+            [-0.12761001, 0.12036347, 2.02250502],
+        ];
+        let from_xyz = [
+            [0.236157, 0.826427, -0.045710],
+            [-0.431117, 1.206922, 0.090020],
+            [0.040557, -0.019683, 0.486195],
+        ];
+        let d65 = d65();
+        let lms = self.cones.each_ref().map(|s| dot(&d65, s));
+        let [x, y, z] = of_lms.map(|row| dot(&row, &lms));
+        let scales = [0.3127 / 0.3290 * y / x, 1.0, 0.3583 / 0.3290 * y / z];
+        from_xyz
+            .map(|row| [0, 1, 2].map(|j| (0..3).map(|i| row[i] / scales[i] * to_xyz[i][j]).sum()))
     }
+}
+
+/// D65 at every nm, to the end of its table.
+fn d65() -> Vec<f64> {
+    let table = column("d65.csv", "d65");
+    NM.map(|nm| if nm <= 780 { between(&table, nm) } else { 0.0 }).collect()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Three frames that brighten, redder toward one corner: the pupil closes from 3.6 mm almost to 2
@@ -262,11 +289,11 @@ fn foveal(eye: &Observer, curves: &[Curve]) -> Adapting {
     let inside = |i: usize| (i % WIDTH).abs_diff(3).pow(2) + (i / WIDTH).abs_diff(2).pow(2) <= 1;
     let nits: Vec<f64> = (0..curves.len())
         .filter(|&i| inside(i))
-        .map(|i| LUMENS_PER_WATT * curves[i].times(&v).integral())
+        .map(|i| eye.lumens_per_watt * curves[i].times(&v).integral())
         .collect();
     assert_eq!(eye.pupil, Rule::MoonSpencerAsPrinted);
     let mean = Nits(nits.iter().sum::<f64>() / nits.len() as f64);
-    Adapting { fovea: mean, picture: mean, area_deg2: 1.0 }
+    Adapting { fovea: mean, picture: mean, area_deg2: 1.0, surround: Nits(0.0) }
 }
 
 /// Writes the frames as spectral pictures of 441 bands of 1 nm.

@@ -3,7 +3,7 @@
 use sungaze::colour::Primaries;
 use sungaze::eye::pigment::Model;
 use sungaze::eye::plan::SUBSTEPS;
-use sungaze::eye::{Eye, EyeBuilder, Look, Stimulus, survey};
+use sungaze::eye::{Eye, EyeBuilder, Look, Stimulus, Surround, survey};
 use sungaze::kinetics::Kinetics;
 use sungaze::light::{Planes, Samples};
 use sungaze::observer::{Observer, Rule};
@@ -28,6 +28,7 @@ fn builder(vision: Vision, planes: &Planes, budget: Option<f64>) -> EyeBuilder {
     Eye::builder(vision, [planes.width, planes.height], across)
         .pigments(pigments())
         .model(tracked(), budget)
+        .surround(Surround::Uniform(Nits(0.0)))
 }
 
 fn vision() -> Vision {
@@ -127,7 +128,8 @@ fn dim_rgb_is_promised_exactly_and_dim_spectra_to_single_precision() {
 #[test]
 fn a_dim_picture_in_a_dim_surround_is_left_untouched_wherever_the_gaze_goes() {
     let planes = picture(40, 3, |x| 0.1 + 0.01 * x as f32);
-    let eye = builder(vision(), &planes, Some(BUDGET)).surround(Nits(0.5)).build();
+    let eye =
+        builder(vision(), &planes, Some(BUDGET)).surround(Surround::Uniform(Nits(0.5))).build();
     let mut eye = eye.unwrap();
     for gaze in [[20.0, 1.0], [35.5, 0.25], [1.0, 2.0], [-70.0, 9.0], [20.0, 1.0]] {
         assert_eq!(look(&mut eye, &planes, gaze).percept, planes, "looking at {gaze:?}");
@@ -138,7 +140,8 @@ fn a_dim_picture_in_a_dim_surround_is_left_untouched_wherever_the_gaze_goes() {
 #[test]
 fn a_bright_surround_has_bleached_the_places_that_the_picture_reaches() {
     let planes = picture(40, 3, |_| 0.1);
-    let eye = builder(vision(), &planes, Some(BUDGET)).surround(Nits(1e6)).build();
+    let eye =
+        builder(vision(), &planes, Some(BUDGET)).surround(Surround::Uniform(Nits(1e6))).build();
     let mut eye = eye.unwrap();
     look(&mut eye, &planes, [20.0, 1.0]);
     let seen = look(&mut eye, &planes, [30.0, 1.0]).percept;

@@ -8,7 +8,6 @@ use sungaze::config::Config;
 use sungaze::error::Result;
 use sungaze::frames::{self, Header, Kind};
 use sungaze::observer::Observer;
-use sungaze::units::LUMENS_PER_WATT;
 
 use super::{Common, say};
 
@@ -46,7 +45,7 @@ fn luminance_weights(header: &Header, observer: &Observer, white: Option<f64>) -
         }
         Kind::Spectral(bands) => {
             let v = observer.luminous_efficiency().over(bands);
-            Some(v.into_iter().map(|weight| LUMENS_PER_WATT * weight).collect())
+            Some(v.into_iter().map(|weight| observer.lumens_per_watt * weight).collect())
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Values that have the right type and are wrong all the same.
 
 use super::Wrong;
-use super::settings::{Aim, Channels, DisplayFile, PupilKey, Settings, Steep};
+use super::settings::{Aim, Channels, DisplayFile, PupilKey, Settings, Steep, SurroundKey};
 
 type Check = Result<(), Wrong>;
 
@@ -11,7 +11,9 @@ pub(super) fn check(s: &Settings) -> Check {
     time(s)?;
     observer(s)?;
     within("gaze.fovea_deg", s.gaze.fovea_deg, f64::MIN_POSITIVE, 180.0)?;
-    within("gaze.surround_cd_m2", s.gaze.surround_cd_m2, 0.0, 1e12)?;
+    if let SurroundKey::Luminance(nits) = s.gaze.surround_cd_m2 {
+        within("gaze.surround_cd_m2", nits, 0.0, 1e12)?;
+    }
     if let Aim::At(at) = s.gaze.at {
         point("gaze.at", at)?;
     }
@@ -152,7 +154,7 @@ fn follows_the_gaze(s: &Settings) -> Check {
 fn observer(s: &Settings) -> Check {
     let o = &s.observer;
     if ![2, 10].contains(&o.field_deg) {
-        return wrong("observer.field_deg", o.field_deg, "10, 2");
+        return wrong("observer.field_deg", o.field_deg, "2, 10");
     }
     if ![1, 2].contains(&o.eyes) {
         return wrong("observer.eyes", o.eyes, "1, 2");

@@ -216,11 +216,14 @@ fn paper() -> Table {
     toml::toml! {
         [observer]
         fundamentals = "smj1993"
+        field_deg = 10
         pupil = "moon-spencer-as-printed"
         stiles_crawford = "paper"
         stiles_crawford_p = "lens-corrected"
         constants = "paper"
         narrowing = "narrowed"
+        [gaze]
+        surround_cd_m2 = 0
         [display]
         tone = "ward"
     }

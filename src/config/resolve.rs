@@ -3,7 +3,7 @@
 use crate::display::{Ceiling, Display, Tone};
 use crate::error::{Error, Result};
 use crate::eye::pigment::Model;
-use crate::eye::plan;
+use crate::eye::{Surround, plan};
 use crate::frames::builtin::{Ground, Sunset};
 use crate::frames::{
     self, ChannelNames, Compression, Negative, NonFinite, Quantity, ReadOptions, Sequence, Wanted,
@@ -44,7 +44,7 @@ impl Config {
     }
 
     fn density(&self) -> [f64; 3] {
-        self.settings.observer.optical_density.unwrap_or([0.38, 0.38, 0.30])
+        self.settings.observer.optical_density.unwrap_or([0.50, 0.50, 0.40])
     }
 
     fn directional(&self) -> Directional {
@@ -225,6 +225,14 @@ impl Config {
         let (elevation, turbidity) =
             (input.sun_elevation_deg.unwrap_or(0.5), input.turbidity.unwrap_or(2.5));
         Sunset::new(input.width.unwrap_or(480) as usize, elevation, turbidity, ground)
+    }
+
+    /// What lies beyond the picture.
+    pub fn surround(&self) -> Surround {
+        match self.settings.gaze.surround_cd_m2 {
+            SurroundKey::Word(SurroundWord::Edge) => Surround::Edge,
+            SurroundKey::Luminance(nits) => Surround::Uniform(Nits(nits)),
+        }
     }
 
     /// How pigment is to follow light.

@@ -198,12 +198,32 @@ pub struct Gaze {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path: Option<String>,
     pub fovea_deg: f64,
-    pub surround_cd_m2: f64,
+    pub surround_cd_m2: SurroundKey,
+}
+
+/// `gaze.surround_cd_m2`: `"edge"` or a number.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged, expecting = "\"edge\" or a luminance in cd/m2")]
+pub enum SurroundKey {
+    Word(SurroundWord),
+    Luminance(f64),
+}
+
+/// The word that `gaze.surround_cd_m2` takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum SurroundWord {
+    Edge,
 }
 
 impl Default for Gaze {
     fn default() -> Self {
-        Gaze { at: Aim::At([0.5, 0.5]), path: None, fovea_deg: 2.0, surround_cd_m2: 0.0 }
+        Gaze {
+            at: Aim::At([0.5, 0.5]),
+            path: None,
+            fovea_deg: 2.0,
+            surround_cd_m2: SurroundKey::Word(SurroundWord::Edge),
+        }
     }
 }
 
@@ -252,7 +272,7 @@ impl Default for ObserverKeys {
     fn default() -> Self {
         ObserverKeys {
             preset: Preset::Standard,
-            field_deg: 10,
+            field_deg: 2,
             fundamentals: SetKey::Cie2006,
             pupil: PupilKey::WatsonYellott,
             pupil_mm: None,

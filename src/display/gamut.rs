@@ -66,7 +66,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn luminance(light: [f32; 3]) -> f32 {
-        super::luminance(light, crate::display::STANDARD_LUMINANCE.map(|w| w as f32))
+        super::luminance(light, crate::display::LUMINANCE)
     }
 
     fn colour() -> impl Strategy<Value = [f32; 3]> {

@@ -53,16 +53,10 @@ pub struct Display {
     pub smoothing: Seconds,
     /// Colours brighter than the display: 0 keeps their hue, 1 their luminance.
     pub highlights: f64,
-    /// Luminance of linear sRGB light to the observer. Cones never catch less than nothing, so by
-    /// the observer's own weights a percept always has luminance; by those of 1931 (.2126, .7152,
-    /// .0722) what S cones alone see would have less than none, and would be shown black.
-    pub luminance: [f64; 3],
 }
 
-/// Luminance of linear sRGB light to the standard observer: 0.69283932 L + 0.34967567 M (CIE
-/// 170-2:2015) of the primaries' catches. Other observers bring their own
-/// ([`crate::vision::Vision::srgb_luminance`]).
-pub const STANDARD_LUMINANCE: [f64; 3] = [0.198_658, 0.681_934, 0.119_408];
+/// Luminance of linear sRGB: the Y row of its matrix to XYZ (IEC 61966-2-1, D65 at .3127, .3290).
+pub const LUMINANCE: [f32; 3] = [0.212_639, 0.715_168_7, 0.072_192_32];
 
 impl Default for Display {
     fn default() -> Self {
@@ -71,7 +65,6 @@ impl Default for Display {
             tone: Tone::Ward(Ceiling::Human),
             smoothing: Seconds(0.5),
             highlights: 0.5,
-            luminance: STANDARD_LUMINANCE,
         }
     }
 }
@@ -115,7 +108,6 @@ impl Display {
     /// Encodes one row of a percept as sRGB: linear sRGB primaries, `scale` cd/m2 the unit; three
     /// bytes a pixel out.
     pub fn encode_row(&self, map: &ToneMap, rgb: [&[f32]; 3], scale: f32, out: &mut [u8]) {
-        let weights = self.luminance.map(|w| w as f32);
         let [red, green, blue] = rgb.map(|plane| plane.chunks(row::BLOCK));
         for (((red, green), blue), bytes) in
             red.zip(green).zip(blue).zip(out.chunks_mut(3 * row::BLOCK))
@@ -123,7 +115,7 @@ impl Display {
             row::encode_block(
                 map,
                 [red, green, blue],
-                (scale, weights),
+                (scale, LUMINANCE),
                 self.highlights as f32,
                 bytes,
             );
@@ -153,7 +145,7 @@ mod tests {
         let (least, greatest) =
             cells.iter().fold((f32::INFINITY, 0f32), |(low, high), &c| (low.min(c), high.max(c)));
         let mean = cells.iter().copied().map(f64::from).sum::<f64>() / cells.len() as f64;
-        Survey { cells, least, greatest, mean, brightest: (0, 0) }
+        Survey { cells, least, greatest, mean, edge: 0.0, brightest: (0, 0) }
     }
 
     fn indoors() -> Survey {
@@ -254,8 +246,31 @@ mod tests {
         let world = outdoors();
         let map = display.map(&world);
         assert_eq!(pixel(&display, &map, [world.greatest; 3]), [255; 3]);
-        assert_eq!(pixel(&display, &map, [world.least * 0.8; 3]), [0; 3]);
+        assert!(pixel(&display, &map, [world.least; 3])[0] < 9);
+        assert_eq!(pixel(&display, &map, [world.least * 1e-3; 3]), [0; 3]);
         assert_eq!(pixel(&display, &map, [f32::MAX; 3]), [255; 3]);
+    }
+
+    #[test]
+    fn a_bleached_field_is_dim_and_ever_darker_and_never_black() {
+        let display = Display::default();
+        for field in [300.0f32, 1e4, 1e6, 1e9] {
+            let map = display.map(&survey(vec![field; 1000]));
+            let seen = (0..=44).map(|i| field * 0.905f32.powi(i));
+            let codes: Vec<u8> = seen.map(|y| pixel(&display, &map, [y; 3])[0]).collect();
+            assert_eq!(codes[0], 255);
+            assert!(codes.windows(2).all(|w| w[0] > w[1]) && codes[44] > 0, "{codes:?}");
+        }
+    }
+
+    #[test]
+    fn a_small_lamp_is_told_from_the_white_wall_beside_it() {
+        let display = Display::default();
+        let mut room: Vec<f32> = (0..2000).map(|i| 1.0 + 0.05 * i as f32).collect();
+        room.push(9e5);
+        let map = display.map(&survey(room));
+        let [wall, lamp] = [100.0, 9e5].map(|y| pixel(&display, &map, [y; 3])[0]);
+        assert!(lamp == 255 && wall < 245, "{wall} {lamp}");
     }
 
     #[test]
@@ -300,7 +315,7 @@ mod tests {
             for tone in [Tone::Ward(Ceiling::Human), Tone::Exposure { ev }] {
                 let map = Display { tone, ..Display::default() }.map(&outdoors());
                 let light = gamut::bounded(rgb);
-                let luminance = gamut::luminance(light, STANDARD_LUMINANCE.map(|w| w as f32));
+                let luminance = gamut::luminance(light, LUMINANCE);
                 let shown = gamut::shown(gamut::chroma(light, luminance), map.share(luminance), highlights);
                 prop_assert!(shown.iter().all(|v| (0.0..=1.000_001).contains(v)), "{rgb:?} gives {shown:?}");
             }

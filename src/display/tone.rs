@@ -19,9 +19,13 @@ pub struct ToneMap {
     white: f64,
     /// ln Ld at each knot.
     levels: Vec<f64>,
-    /// (Ld - black) / (white - black) at each knot, 0 where that is negative.
+    /// (Ld - black) / (white - black) at each knot, and in proportion to Ld below [`TOE`].
     shares: Vec<f32>,
 }
+
+/// Display luminance, over its black, below which a pixel is shown in proportion to it: what is
+/// darker than all of the world, as a bleached field is, goes on getting darker instead of black.
+const TOE: f64 = 1.25;
 
 /// log2 of the first and last knot.
 const FIRST: i32 = -20;
@@ -62,7 +66,9 @@ impl ToneMap {
         // Shares beyond 1e9 white are all the same to the display, and products of them stay
         // finite.
         let share = |ln_display: &f64| {
-            ((ln_display.exp() - black) / (white - black)).clamp(0.0, 1e9) as f32
+            let (shown, toe) = (ln_display.exp(), TOE * black);
+            let share = (shown.max(toe) - black) / (white - black);
+            (share * (shown / toe.max(f64::MIN_POSITIVE)).min(1.0)).clamp(0.0, 1e9) as f32
         };
         let shares = levels.iter().map(share).collect();
         ToneMap { black, white, levels, shares }
@@ -161,7 +167,8 @@ mod tests {
         fn pixels_are_mapped_as_numbers_are(world in any::<f32>()) {
             prop_assume!(world.is_finite());
             let map = map();
-            let expected = (map.display_luminance(Nits(f64::from(world))).0 - 1.0) / 99.0;
+            let shown = map.display_luminance(Nits(f64::from(world))).0;
+            let expected = (shown.max(TOE) - 1.0) / 99.0 * (shown / TOE).min(1.0);
             // Where black lies between two knots, the table's line starts at the lower one.
             prop_assert!((f64::from(map.share(world)) - expected.max(0.0)).abs() <= 2e-5);
         }

@@ -24,6 +24,10 @@ const BINS: usize = 100;
 /// Share of the total that may stand above the ceiling when trimming ends.
 const TOLERANCE: f64 = 0.025;
 
+/// Share of the display's range, in ln, that is given to the world's range evenly, whatever cells
+/// it holds: a small lamp is told from the white wall beside it.
+const EVEN: f64 = 0.05;
+
 /// The map of one frame.
 #[derive(Clone, Debug)]
 pub(super) struct Adjustment {
@@ -63,7 +67,12 @@ impl Adjustment {
         } else {
             adjustment(Shape::Histogram(Histogram::new(survey))).trimmed()
         };
-        trimmed.unwrap_or_else(|| adjustment(Shape::Scale(scale(survey, ceiling, display))))
+        trimmed.unwrap_or_else(|| {
+            let bright = fits && survey.greatest >= white.0 as f32;
+            let one =
+                if bright { at_white(survey, display) } else { scale(survey, ceiling, display) };
+            adjustment(Shape::Scale(one))
+        })
     }
 
     /// ln display luminance of a ln world luminance. Below the range it goes on in proportion,
@@ -137,8 +146,8 @@ impl Histogram {
     fn with(&self, counts: Vec<f64>) -> Self {
         let total: f64 = counts.iter().sum();
         let sums = counts.iter().scan(0.0, |sum, f| {
-            *sum += f;
-            Some((*sum / total).min(1.0))
+            *sum += (1.0 - EVEN) * f / total + EVEN / BINS as f64;
+            Some(sum.min(1.0))
         });
         let below = std::iter::once(0.0).chain(sums).collect();
         Histogram { bottom: self.bottom, bin: self.bin, counts, below }
@@ -158,6 +167,12 @@ impl Histogram {
             self.below[i] + (self.below[i + 1] - self.below[i]) * (at - i as f64)
         }
     }
+}
+
+/// ln of the one scale that puts the greatest pixel at white: for a world brighter than the display
+/// that fits its range. What is seen of it once it has bleached is then dim, not black.
+fn at_white(survey: &Survey, display: (f64, f64)) -> f64 {
+    display.1 - ln_range(survey).1
 }
 
 /// ln of the one scale that puts the middle of the display's range where the mean of the frame is:
@@ -214,7 +229,7 @@ mod tests {
     const BLACK: Nits = Nits(1.0);
 
     fn survey(cells: Vec<f32>, least: f32, greatest: f32) -> Survey {
-        Survey { cells, least, greatest, mean: 0.0, brightest: (0, 0) }
+        Survey { cells, least, greatest, mean: 0.0, edge: 0.0, brightest: (0, 0) }
     }
 
     fn of(cells: Vec<f32>) -> Survey {

@@ -18,7 +18,12 @@ impl Eye {
     pub fn adapting(&self, planes: &Planes, survey: &Survey, gaze: [f64; 2]) -> Adapting {
         let area = (planes.width * planes.height) as f64 / self.pixels_per_degree.powi(2);
         let fovea = self.foveal_mean(planes, gaze);
-        Adapting { fovea: Nits(fovea), picture: Nits(survey.mean), area_deg2: area }
+        Adapting {
+            fovea: Nits(fovea),
+            picture: Nits(survey.mean),
+            area_deg2: area,
+            surround: self.surround_luminance(),
+        }
     }
 
     /// Mean luminance of the pixels whose centres lie in the fovea; the nearest pixel if none does.
@@ -94,6 +99,36 @@ impl Eye {
             Some((y, first..last + 1))
         })
     }
+}
+
+/// The centroid, in pixels, of the connected region of a frame that is brighter than half of its
+/// greatest luminance, around the first of its brightest pixels.
+pub fn brightest(vision: &Vision, planes: &Planes, survey: &Survey) -> [f64; 2] {
+    let Planes { width, height, .. } = *planes;
+    let bright = |[x, y]: [usize; 2]| {
+        let terms = vision.luminance.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
+        let luminance: f64 = terms.map(|(i, weight)| weight * planes.at(x, y, i)).sum();
+        luminance > 0.5 * f64::from(survey.greatest)
+    };
+    let mut seen = vec![false; width * height];
+    let mut next: Vec<[usize; 2]> = vec![survey.brightest.into()];
+    let (mut sum, mut count) = ([0.0; 2], 0.0);
+    while let Some([x, y]) = next.pop() {
+        if std::mem::replace(&mut seen[y * width + x], true) || !bright([x, y]) {
+            continue;
+        }
+        sum = [sum[0] + x as f64, sum[1] + y as f64];
+        count += 1.0;
+        next.extend(
+            [x.checked_sub(1).map(|x| [x, y]), y.checked_sub(1).map(|y| [x, y])]
+                .into_iter()
+                .flatten(),
+        );
+        next.extend((x + 1 < width).then_some([x + 1, y]));
+        next.extend((y + 1 < height).then_some([x, y + 1]));
+    }
+    let first = [survey.brightest.0 as f64, survey.brightest.1 as f64];
+    if count > 0.0 { sum.map(|sum| sum / count) } else { first }
 }
 
 /// Luminances of a frame, gathered for the pupil and the display.

@@ -19,7 +19,7 @@ use crate::kinetics::Kinetics;
 use crate::light::Planes;
 use crate::observer::pupil;
 use crate::spectrum::Curve;
-use crate::units::{LUMENS_PER_WATT, Millimetres, Seconds, Trolands};
+use crate::units::{Millimetres, Seconds, Trolands};
 use crate::vision::SampledSpectra;
 use crate::vision::Vision;
 
@@ -207,7 +207,8 @@ impl CheckFrame<'_> {
         let eta = observer.directional.curve(self.pupil, Millimetres(r));
         [0, 1, 2].map(|k| {
             let seen = eta.times(observer.fundamentals.unbleached(k));
-            let scale = LUMENS_PER_WATT * observer.cone_troland()[k] * pupil::area(self.pupil);
+            let scale =
+                observer.lumens_per_watt * observer.cone_troland()[k] * pupil::area(self.pupil);
             self.vision.basis().iter().map(|light| scale * light.times(&seen).integral()).collect()
         })
     }

@@ -22,6 +22,7 @@ mod stats;
 use std::sync::Arc;
 
 use ndarray::{Array3, ArrayView3};
+use serde::{Deserialize, Serialize};
 
 use crate::colour::Primaries;
 use crate::error::{Error, Result};
@@ -33,7 +34,7 @@ use crate::step;
 use crate::units::{Degrees, Millimetres, Nits, Seconds};
 use crate::vision::{SampledSpectra, Vision};
 
-pub use adapting::survey;
+pub use adapting::{brightest, survey};
 use check::Check;
 use illuminance::IlluminanceOperator;
 use percept::PerceptStage;
@@ -69,6 +70,16 @@ impl Light {
                 .ok_or_else(|| Error::light("the primaries span no gamut")),
         }
     }
+}
+
+/// What lies beyond the picture, for the pupil and for the retina under a moving gaze: an
+/// equal-energy light.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Surround {
+    /// The mean luminance of the first frame's outermost pixels.
+    Edge,
+    /// A luminance; 0 is a dark room.
+    Uniform(Nits),
 }
 
 /// Where an eye looks: fractions of the picture's width and height, from the top left.
@@ -134,7 +145,6 @@ pub struct Eye {
     model: Model,
     size: [usize; 2],
     pixels_per_degree: f64,
-    surround: Nits,
     adapts_first: bool,
     // The state.
     retina: Retina,
@@ -142,6 +152,7 @@ pub struct Eye {
     plan: Plan,
     check: Option<Check>,
     first_gaze: Option<[f64; 2]>,
+    surround: Surround,
     // The stages and their memory.
     percept: PerceptStage,
     illuminance: Option<IlluminanceOperator>,
@@ -171,8 +182,8 @@ impl EyeBuilder {
         self
     }
 
-    /// Luminance of all that lies beyond the picture.
-    pub fn surround(mut self, surround: Nits) -> Self {
+    /// What lies beyond the picture.
+    pub fn surround(mut self, surround: Surround) -> Self {
         self.0.surround = surround;
         self
     }
@@ -236,12 +247,12 @@ impl Eye {
             model,
             size,
             pixels_per_degree: size[0] as f64 / across.0,
-            surround: Nits(0.0),
             adapts_first: false,
             retina: Retina::rested(size[0], size[1]),
             plan: Plan::new(Some(plan::BUDGET)),
             check: None,
             first_gaze: None,
+            surround: Surround::Edge,
             percept,
             illuminance: None,
             around,

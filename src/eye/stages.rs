@@ -12,11 +12,11 @@ use super::illuminance::IlluminanceOperator;
 use super::percept::PerceptScratch;
 use super::pigment::{Model, PigmentStep};
 use super::plan::{Plan, Rule};
-use super::{Eye, Look, LookStats, Stimulus};
+use super::{Eye, Look, LookStats, Stimulus, Surround};
 use crate::eye::check::Check;
 use crate::kernel::{self, TILE, TileScratch};
 use crate::light::{PlaneTile, Planes, Sample, Samples};
-use crate::units::{Millimetres, Seconds};
+use crate::units::{Millimetres, Nits, Seconds};
 
 /// What the rows of one look share.
 struct LookContext<'a> {
@@ -42,6 +42,9 @@ impl Eye {
         let first = *self.first_gaze.get_or_insert(gaze);
         let shift = [gaze[0] - first[0], gaze[1] - first[1]];
         let mut check = self.begun_check(stimulus.checked);
+        if self.surround == Surround::Edge {
+            self.surround = Surround::Uniform(Nits(stimulus.survey.edge));
+        }
 
         // The stages. What scatters in the eye would be added to the light here.
         let retinal = stimulus.planes;
@@ -288,10 +291,18 @@ impl Eye {
         of_row.reduce(|| LookStats::EMPTY, LookStats::and)
     }
 
+    /// Luminance of what lies beyond the picture; none before the first look tells.
+    pub(super) fn surround_luminance(&self) -> Nits {
+        match self.surround {
+            Surround::Edge => Nits(0.0),
+            Surround::Uniform(nits) => nits,
+        }
+    }
+
     /// Cone illuminance of the light around the picture, an equal-energy spectrum, td.
     fn surround_illuminance(&self, pupil: Millimetres) -> [f64; 3] {
         let weights = self.vision.illuminance_weights(pupil, Millimetres(f64::INFINITY));
-        self.vision.illuminance(&self.around, &weights).map(|td| td * self.surround.0)
+        self.vision.illuminance(&self.around, &weights).map(|td| td * self.surround_luminance().0)
     }
 
     /// Cone illuminance of one pixel of a frame that was looked at, td.

@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Eye;
 use super::check::Check;
 use super::plan::Plan;
 use super::retina::Retina;
+use super::{Eye, Surround};
 use crate::error::{Error, Result};
 use crate::observer::Pupil;
 
@@ -17,6 +17,7 @@ pub struct State {
     plan: Plan,
     check: Option<Check>,
     first_gaze: Option<[f64; 2]>,
+    surround: Surround,
 }
 
 impl State {
@@ -35,6 +36,7 @@ impl Eye {
             plan: self.plan.clone(),
             check: self.check.clone(),
             first_gaze: self.first_gaze,
+            surround: self.surround,
         }
     }
 
@@ -43,12 +45,16 @@ impl Eye {
     /// # Errors
     /// The state is of another size, plan or pupil, or holds fractions outside 0..1.
     pub fn restore(&mut self, state: State) -> Result<()> {
-        let State { retina, pupil, plan, check, first_gaze } = state;
+        let State { retina, pupil, plan, check, first_gaze, surround } = state;
         let covers = (0..2).all(|i| {
             let first = -retina.origin()[i];
             first >= 0 && first as usize + self.size[i] <= retina.size()[i]
         });
-        let known = first_gaze.is_none_or(|at| at.iter().all(|v| v.is_finite()));
+        let known = first_gaze.is_none_or(|at| at.iter().all(|v| v.is_finite()))
+            && match surround {
+                Surround::Edge => first_gaze.is_none(),
+                Surround::Uniform(nits) => nits.0 >= 0.0,
+            };
         let fits = check.as_ref().is_none_or(|check| check.is_sound(self.size));
         if !(retina.is_sound() && covers && known && fits) {
             return Err(Error::light("the state is of an eye of another size, or damaged"));
@@ -62,6 +68,7 @@ impl Eye {
         self.plan = plan;
         self.check = check;
         self.first_gaze = first_gaze;
+        self.surround = surround;
         Ok(())
     }
 }

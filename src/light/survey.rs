@@ -16,6 +16,8 @@ pub struct Survey {
     pub greatest: f32,
     /// Mean of all pixels.
     pub mean: f64,
+    /// Mean of the outermost pixels, one in sixteen of the height on each side.
+    pub edge: f64,
     /// Column and row of the first of the brightest pixels.
     pub brightest: (usize, usize),
 }
@@ -36,6 +38,8 @@ pub struct SurveyRow {
     least: f32,
     greatest: f32,
     column: usize,
+    /// Sum of the pixels within the margin on the left and on the right.
+    margins: f64,
     cells: Vec<f64>,
 }
 
@@ -72,32 +76,58 @@ impl Cells {
             .fold(f32::INFINITY, f32::min);
         let greatest = luminance.iter().copied().fold(0.0, f32::max);
         let column = luminance.iter().position(|&v| v == greatest).unwrap_or(0);
-        SurveyRow { sum: cells.iter().sum(), least, greatest, column, cells }
+        let margin = self.margin().min(luminance.len() / 2);
+        let outer = luminance[..margin].iter().chain(&luminance[luminance.len() - margin..]);
+        let margins = outer.map(|v| f64::from(v.max(0.0))).sum();
+        SurveyRow { sum: cells.iter().sum(), least, greatest, column, margins, cells }
+    }
+
+    /// Width of the outermost pixels on each side: one in sixteen of the height.
+    fn margin(&self) -> usize {
+        (self.height / 16).max(1)
+    }
+
+    /// Mean of the outermost pixels from the sums of rows and of their margins.
+    fn edge(&self, sums: &[[f64; 2]]) -> f64 {
+        let (rows, columns) =
+            (self.margin().min(self.height / 2), self.margin().min(self.width / 2));
+        if rows == 0 || columns == 0 {
+            let pixels = (self.width * self.height).max(1) as f64;
+            return sums.iter().map(|[row, _]| row).sum::<f64>() / pixels;
+        }
+        let outer = |y: usize| y < rows || y >= self.height - rows;
+        let of_row =
+            |(y, [row, margins]): (usize, &[f64; 2])| if outer(y) { *row } else { *margins };
+        let pixels = 2 * rows * self.width + (self.height - 2 * rows) * 2 * columns;
+        sums.iter().enumerate().map(of_row).sum::<f64>() / pixels as f64
     }
 
     /// The survey of a frame from all its rows, in order from the top.
     pub fn gather(&self, rows: impl IntoIterator<Item = SurveyRow>) -> Survey {
-        let mut sums = vec![0.0; self.columns * self.rows];
+        let mut totals = vec![0.0; self.columns * self.rows];
         let (mut sum, mut least, mut greatest, mut brightest) = (0.0, f32::INFINITY, 0.0, (0, 0));
+        let mut sums = Vec::with_capacity(self.height);
         for (y, row) in rows.into_iter().take(self.height).enumerate() {
             let first = y * self.rows / self.height * self.columns;
-            for (total, part) in sums[first..].iter_mut().zip(&row.cells) {
+            for (total, part) in totals[first..].iter_mut().zip(&row.cells) {
                 *total += part;
             }
             sum += row.sum;
+            sums.push([row.sum, row.margins]);
             least = row.least.min(least);
             if row.greatest > greatest {
                 (greatest, brightest) = (row.greatest, (row.column, y));
             }
         }
         let cells =
-            sums.iter().enumerate().map(|(i, total)| (total / self.pixels(i)) as f32).collect();
+            totals.iter().enumerate().map(|(i, total)| (total / self.pixels(i)) as f32).collect();
         let least = if greatest > 0.0 { least } else { 0.0 };
         Survey {
             cells,
             least,
             greatest,
             mean: sum / (self.width * self.height).max(1) as f64,
+            edge: self.edge(&sums),
             brightest,
         }
     }
@@ -155,6 +185,15 @@ mod tests {
         assert_eq!(found.mean, 4.5 / 6.0);
         let dark = survey(Cells::new(3, 2, 1.0), &[0.0, -1.0, 0.0, 0.0, -0.0, 0.0]);
         assert_eq!((dark.least, dark.greatest, dark.mean), (0.0, 0.0, 0.0));
+    }
+
+    #[test]
+    fn the_edge_is_the_mean_of_a_sixteenth_of_the_height_all_round() {
+        let inside = |x: usize, y: usize| (2..38).contains(&x) && (2..30).contains(&y);
+        let pixel = |i: usize| if inside(i % 40, i / 40) { 1e6 } else { 3.0 };
+        let picture: Vec<f32> = (0..40 * 32).map(pixel).collect();
+        assert_eq!(survey(Cells::new(40, 32, 1.0), &picture).edge, 3.0);
+        assert_eq!(survey(Cells::new(1, 1, 1.0), &[7.0]).edge, 7.0);
     }
 
     #[test]

@@ -3,14 +3,16 @@
 
 pub mod directional;
 pub mod fundamentals;
+pub mod photometry;
 pub mod pupil;
 
 use crate::colour::Matrix;
 use crate::spectrum::Curve;
-use crate::units::{Degrees, LUMENS_PER_WATT, Millimetres, Trolands};
+use crate::units::{Degrees, Millimetres, Trolands};
 
 pub use directional::{Directional, Reading, Steepness};
 pub use fundamentals::{CONES, Field, Fundamentals, Set};
+pub use photometry::Photometry;
 pub use pupil::{Adapting, Dynamics, Pupil, Rule};
 
 /// What "narrowing the fundamentals by the bleaching percentage" means.
@@ -33,6 +35,8 @@ pub struct Observer {
     pub pupil: Rule,
     pub dynamics: Dynamics,
     pub fovea: Degrees,
+    /// K, lm/W: radiance weighted by this observer's own V -> cd/m2.
+    pub lumens_per_watt: f64,
     cone_troland: [f64; 3],
 }
 
@@ -46,7 +50,8 @@ impl Observer {
         directional: Directional,
     ) -> Self {
         let fundamentals = Fundamentals::new(set, field, density);
-        let lms_to_xyz = set.lms_to_xyz(field);
+        let Photometry { lumens_per_watt, lms_to_xyz } =
+            Photometry::new(&fundamentals, &set.lms_to_xyz(field));
         let areas = [0, 1, 2].map(|k| fundamentals.unbleached(k).integral());
         let v: f64 = lms_to_xyz[1].iter().zip(areas).map(|(m, area)| m * area).sum();
         Observer {
@@ -57,14 +62,16 @@ impl Observer {
             pupil: Rule::WatsonYellott { age: 30.0, eyes: 2 },
             dynamics: Dynamics::default(),
             fovea: Degrees(2.0),
+            lumens_per_watt,
             cone_troland: areas.map(|area| v / area),
         }
     }
 
-    /// The standard observer: CIE 2006, 10 degrees, 30 years, two eyes, Stiles-Crawford over the
+    /// The standard observer: CIE 2006, 2 degrees (what is stared at is foveal, and cd/m2 is a unit
+    /// of 2 degrees), 30 years, two eyes, Stiles-Crawford over the
     /// pupil.
     pub fn standard() -> Self {
-        let (set, field) = (Set::Cie2006, Field::TenDegrees);
+        let (set, field) = (Set::Cie2006, Field::TwoDegrees);
         let directional = Directional::new(Reading::Pupil, Steepness::Measured);
         Observer::new(set, field, set.optical_density(field), Narrowing::Depleted, directional)
     }
@@ -74,8 +81,7 @@ impl Observer {
         self.cone_troland
     }
 
-    /// This observer's luminous efficiency: the Y row of LMS -> XYZ. 10.9 % above CIE 1931 for
-    /// equal energy.
+    /// This observer's luminous efficiency V: the Y row of LMS -> XYZ.
     pub fn luminous_efficiency(&self) -> Curve {
         let y = self.lms_to_xyz[1];
         let [l, m, s] = [0, 1, 2].map(|k| self.fundamentals.unbleached(k));
@@ -83,7 +89,7 @@ impl Observer {
     }
 
     /// Cone illuminance of a spectral radiance known at every nm, from the definition, without
-    /// levels or bands: I_k = 683 c_k A integral L eta s_k (paper Eq. 2, 6, 7). `r`: distance from
+    /// levels or bands: I_k = K c_k A integral L eta s_k (paper Eq. 2, 6, 7). `r`: distance from
     /// the pupil's centre.
     pub fn illuminance(
         &self,
@@ -94,7 +100,7 @@ impl Observer {
         let weighted = radiance.times(&self.directional.exact(pupil, r));
         [0, 1, 2].map(|k| {
             let integral = weighted.times(self.fundamentals.unbleached(k)).integral();
-            Trolands(LUMENS_PER_WATT * self.cone_troland[k] * pupil::area(pupil) * integral)
+            Trolands(self.lumens_per_watt * self.cone_troland[k] * pupil::area(pupil) * integral)
         })
     }
 
@@ -103,7 +109,7 @@ impl Observer {
     pub fn catch(&self, radiance: &Curve, p: [f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|k| {
             let depleted = radiance.times(&self.fundamentals.depleted(k, p[k])).integral();
-            LUMENS_PER_WATT * depleted / self.own_peak(k, p[k])
+            self.lumens_per_watt * depleted / self.own_peak(k, p[k])
         })
     }
 
@@ -137,7 +143,7 @@ mod tests {
         eye.directional = Directional::new(Reading::Off, Steepness::Measured);
         let flat = Curve::sampled(|_| 1.0);
         let pupil = Millimetres(3.0);
-        let luminance = LUMENS_PER_WATT * eye.luminous_efficiency().integral();
+        let luminance = eye.lumens_per_watt * eye.luminous_efficiency().integral();
         let td = luminance * pupil::area(pupil);
         for cone in eye.illuminance(&flat, pupil, Millimetres(0.0)) {
             assert!((cone.0 / td - 1.0).abs() < 1e-4);
@@ -145,10 +151,18 @@ mod tests {
     }
 
     #[test]
-    fn the_observers_luminance_of_equal_energy_is_a_tenth_above_1931() {
-        let ours = Observer::standard().luminous_efficiency().integral();
-        let y: f64 = crate::spectrum::CIE1931.column("y").iter().sum();
-        assert!((ours / y - 1.109).abs() < 5e-4, "{}", ours / y);
+    fn equal_energy_and_lamps_read_what_a_photometer_reads_but_for_the_observers() {
+        // Own luminance over that of CIE 1931: equal energy and a 2900 K lamp, 2 degrees.
+        let observer = Observer::standard();
+        let planck = |nm: f64| 1.0 / (nm.powi(5) * ((1.438_776_9e7 / (nm * 2900.0)).exp() - 1.0));
+        let read = |light: Curve| {
+            let own = light.times(&observer.luminous_efficiency()).integral();
+            let y = Curve::sampled(|nm| crate::spectrum::CIE1931.interpolated("y", nm));
+            let told = crate::units::LUMENS_PER_WATT * light.times(&y).integral();
+            observer.lumens_per_watt * own / told
+        };
+        assert!((read(Curve::sampled(|_| 1.0)) - 1.0007).abs() < 2e-4);
+        assert!((read(Curve::sampled(planck)) - 0.996).abs() < 1e-3);
     }
 
     #[test]

@@ -27,7 +27,8 @@ pub enum Rule {
     DeGrootGebhard,
     /// Paper Eq. 4: ... (log10 La + 8.6)^3.
     DeGrootGebhardAsPrinted,
-    /// The unified formula, from the flux of the whole picture, for an age and one or two eyes.
+    /// The unified formula, from the flux of a field of 60 degrees: the picture where it covers
+    /// that, the surround in the rest; for an age and one or two eyes.
     WatsonYellott { age: f64, eyes: u8 },
     /// A diameter.
     Fixed(Millimetres),
@@ -42,7 +43,12 @@ pub struct Adapting {
     pub picture: Nits,
     /// Area of the picture, square degrees.
     pub area_deg2: f64,
+    /// Luminance of what lies around the picture, cd/m2.
+    pub surround: Nits,
 }
+
+/// The adapting field of the unified formula, square degrees: 60 degrees across.
+pub const ADAPTING_FIELD_DEG2: f64 = 2827.0;
 
 impl Rule {
     /// The settled diameter.
@@ -66,7 +72,10 @@ fn de_groot_gebhard(shifted_log: f64) -> f64 {
 
 fn watson_yellott(light: Adapting, age: f64, eyes: u8) -> f64 {
     let monocular = if eyes == 1 { 0.1 } else { 1.0 };
-    let flux = light.picture.0.max(0.0) * light.area_deg2 * monocular;
+    let inside = light.area_deg2.min(ADAPTING_FIELD_DEG2);
+    let seen = light.picture.0.max(0.0) * inside;
+    let around = light.surround.0.max(0.0) * (ADAPTING_FIELD_DEG2 - inside);
+    let flux = (seen + around) * monocular;
     let f = (flux / 846.0).powf(0.41);
     let d = 7.75 - 5.75 * f / (f + 2.0);
     d + (age - 28.58) * (0.021323 - 0.0095623 * d)
@@ -151,7 +160,7 @@ mod tests {
     use super::*;
 
     fn uniform(nits: f64) -> Adapting {
-        Adapting { fovea: Nits(nits), picture: Nits(nits), area_deg2: 100.0 }
+        Adapting { fovea: Nits(nits), picture: Nits(nits), area_deg2: 100.0, surround: Nits(nits) }
     }
 
     #[test]

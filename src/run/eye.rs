@@ -12,7 +12,7 @@ use crate::display::{Display, ToneMap};
 use crate::error::{Error, Result};
 use crate::eye::pigment::Model;
 use crate::eye::retina::Retina;
-use crate::eye::{Eye, Look, Stimulus};
+use crate::eye::{self, Eye, Look, Stimulus};
 use crate::frames;
 use crate::light::{Planes, Samples};
 use crate::run::checkpoint::{self, Checkpoint};
@@ -51,7 +51,7 @@ impl Watching {
             eye: scene.eye(config)?,
             gaze: Gaze::of(config)?,
             probes: record::probes(config),
-            display: shown.then(|| scene.display(config)),
+            display: shown.then(|| config.display()),
             map: None,
             counters: Counters { held_frames: scene.held.clone(), ..Counters::default() },
             state: config.settings.output.state,
@@ -123,7 +123,8 @@ impl Watching {
     ) -> (Look, Vec<Reading>) {
         let planes = &loaded.frame.planes;
         let size = [planes.width, planes.height];
-        let gaze = self.gaze.pixel(aim, &loaded.survey, size, self.eye.first_gaze());
+        let brightest = || eye::brightest(self.eye.vision(), planes, &loaded.survey);
+        let gaze = self.gaze.pixel(aim, brightest, size, self.eye.first_gaze());
         if let Some(spare) = recycled {
             self.eye.recycle(spare);
         }

@@ -5,7 +5,6 @@ use std::path::Path;
 use crate::config::Config;
 use crate::config::settings::{Aim, Seek};
 use crate::error::{Error, Result};
-use crate::light::Survey;
 
 /// Where the eye looks over a run, in fractions of width and height.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,21 +46,21 @@ impl Gaze {
         parse_path(text).map(Gaze::Path)
     }
 
-    /// The point looked at in pixels, for the frame that ends at `time`. `first`: where the first
+    /// The point looked at in pixels, at `time`. `brightest`: the centroid of the frame's brightest
+    /// region; `first`: where the first
     /// look went.
     pub fn pixel(
         &self,
         time: f64,
-        survey: &Survey,
+        brightest: impl FnOnce() -> [f64; 2],
         size: [usize; 2],
         first: Option<[f64; 2]>,
     ) -> [f64; 2] {
         let of_fraction = |at: [f64; 2]| [0, 1].map(|i| at[i] * size[i] as f64 - 0.5);
-        let brightest = [survey.brightest.0 as f64, survey.brightest.1 as f64];
         match self {
             Gaze::At(at) => of_fraction(*at),
-            Gaze::Brightest => first.unwrap_or(brightest),
-            Gaze::BrightestEach => brightest,
+            Gaze::Brightest => first.unwrap_or_else(brightest),
+            Gaze::BrightestEach => brightest(),
             Gaze::Path(points) => of_fraction(along(points, time)),
             Gaze::Rows(points) => of_fraction(held(points, time)),
         }

@@ -167,7 +167,7 @@ pub(crate) fn writer<'a>(
     let digest = digest(resolved.to_string().as_bytes());
     Ok(Writer {
         folder,
-        display: scene.display(config),
+        display: config.display(),
         seen_to_srgb: scene.vision.seen_to_srgb.map(|row| row.map(|v| v as f32)),
         seen: config.settings.output.seen == SeenKey::Exr,
         compression: config.compression()?,

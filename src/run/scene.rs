@@ -4,7 +4,6 @@ use crate::colour::Primaries;
 use std::path::PathBuf;
 
 use crate::config::Config;
-use crate::display::Display;
 use crate::error::Result;
 use crate::eye::Eye;
 use crate::frames::{self, About, Footage, Kind, builtin};
@@ -82,7 +81,7 @@ impl Scene {
         let eye = Eye::builder(self.vision.clone(), size, across)
             .pigments(config.pigments())
             .model(config.model()?, config.budget())
-            .surround(Nits(config.settings.gaze.surround_cd_m2));
+            .surround(config.surround());
         let eye = match config.settings.observer.start.as_str() {
             "rested" => eye,
             "adapted" => eye.adapted(),
@@ -92,11 +91,6 @@ impl Scene {
             })?),
         };
         eye.build()
-    }
-
-    /// The display of `[display]`, with this observer's luminance.
-    pub fn display(&self, config: &Config) -> Display {
-        Display { luminance: self.vision.srgb_luminance(), ..config.display() }
     }
 
     /// The footage for the reader. `places`: those to check; `None`: such as the first frame

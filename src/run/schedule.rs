@@ -21,8 +21,12 @@ impl Step {
     }
 }
 
-/// Frames of a still, where `[time]` is silent: ends spaced logarithmically, s.
+/// Frames of a still, where `[time]` is silent: the end of the first and of the last, s, and how
+/// many. Each lasts 8.3 % longer than the one before, so that most of them show the greening of a
+/// low sun, which is over in ten seconds.
 const STILL: (f64, f64, usize) = (1.0 / 24.0, 60.0, 60);
+/// The root of (g^60 - 1)/(g - 1) = 60 / (1/24).
+const GROWTH: f64 = 1.0831775737980034;
 /// Frames a second, where neither `[time]` nor the file says.
 const FPS: f64 = 24.0;
 
@@ -40,7 +44,7 @@ pub fn of_still(config: &Config) -> Result<Vec<Step>> {
         Time { fps: Some(_), .. } | Time { interval_s: Some(_), .. } => {
             even_edges(config, STILL.1, interval(time, FPS))?
         }
-        _ => logarithmic_edges(),
+        _ => growing_edges(),
     };
     Ok(steps(&edges, (1..).map(|number| (number, 0))))
 }
@@ -101,10 +105,10 @@ fn steps(edges: &[f64], frames: impl Iterator<Item = (u32, usize)>) -> Vec<Step>
         .collect()
 }
 
-fn logarithmic_edges() -> Vec<f64> {
+fn growing_edges() -> Vec<f64> {
     let (first, last, count) = STILL;
-    let end = |i: usize| first * (last / first).powf(i as f64 / (count - 1) as f64);
-    std::iter::once(0.0).chain((0..count - 1).map(end)).chain([last]).collect()
+    let end = |i: usize| first * (GROWTH.powi(i as i32) - 1.0) / (GROWTH - 1.0);
+    (0..count).map(end).chain([last]).collect()
 }
 
 /// Even frames up to a duration; the last is shortened.
@@ -183,11 +187,13 @@ mod tests {
     }
 
     #[test]
-    fn a_still_without_times_is_stared_at_for_a_minute_in_sixty_logarithmic_frames() {
+    fn a_still_without_times_is_stared_at_for_a_minute_in_sixty_growing_frames() {
         let steps = of_still(&config("")).unwrap();
         assert_eq!(steps.len(), 60);
         assert_eq!((steps[0].number, steps[0].start, steps[0].duration), (1, 0.0, 1.0 / 24.0));
         assert_eq!(steps[59].end(), 60.0);
+        let greening = steps.iter().filter(|step| (0.2..10.0).contains(&step.end())).count();
+        assert!(greening > 30, "{greening} of 60 frames show the greening");
         assert!(steps.windows(2).all(|w| (w[0].end() - w[1].start).abs() < 1e-12));
     }
 

@@ -4,7 +4,7 @@ use crate::colour::{apply, chromaticity};
 use crate::error::Result;
 use crate::frames::builtin::sun_radiance;
 use crate::kinetics::Kinetics;
-use crate::observer::pupil;
+use crate::observer::{CONES, pupil};
 use crate::spectrum::Curve;
 use crate::step::{METHODS, advance};
 use crate::units::{Millimetres, Seconds, Trolands};
@@ -111,30 +111,30 @@ fn half_degree_sun(subject: &Subject) -> Result<Vec<Check>> {
     let td = eye.illuminance(&radiance, Millimetres(pupil::SMALLEST.0), Millimetres(0.0));
     let unbleached =
         |t: f64| [0, 1, 2].map(|k: usize| advance(&pigments[k], 1.0, td[k], Seconds(t), 64));
+    // t, p of L, M, S, x and y, Y: CIE 2006, 2 degrees.
     let seen = [
-        (0.0, [0.621, 0.373]),
-        (0.3, [0.599, 0.392]),
-        (1.0, [0.521, 0.462]),
-        (2.0, [0.271, 0.672]),
-        (30.0, [0.308, 0.291]),
+        (0.0, [1.0, 1.0, 1.0], [0.6207, 0.3726], 657_935.0),
+        (0.3, [0.7382, 0.8608, 0.9991], [0.6005, 0.3908], 527_620.0),
+        (1.0, [0.3653, 0.6080, 0.9970], [0.5268, 0.4558], 307_530.0),
+        (2.0, [0.1367, 0.3722, 0.9940], [0.2966, 0.6498], 141_660.0),
+        (10.0, [0.0082, 0.0225, 0.9712], [0.1964, 0.3547], 9_053.0),
+        (30.0, [0.0082, 0.0164, 0.9227], [0.3074, 0.2957], 8_139.0),
     ];
-    let source = "model: T = 2.5, 2 mm pupil";
+    let source = "T = 2.5, 2 mm pupil, 2 deg";
     let mut checks = Vec::new();
-    for (t, expected) in seen {
-        let xy = chromaticity(apply(&eye.lms_to_xyz, eye.catch(&radiance, unbleached(t))));
-        for (i, axis) in ["x", "y"].iter().enumerate() {
-            checks.push(Check::new(
-                format!("half-degree sun, {axis} after {t} s"),
-                source,
-                xy[i],
-                expected[i],
-                6e-3,
-            ));
-        }
+    for (t, expected_p, [x, y], luminance) in seen {
+        let p = unbleached(t);
+        let xyz = apply(&eye.lms_to_xyz, eye.catch(&radiance, p));
+        let [ours_x, ours_y] = chromaticity(xyz);
+        let mut row = |what: String, ours, expected, tolerance| {
+            let name = format!("half-degree sun, {what} after {t} s");
+            checks.push(Check::new(name, source, ours, expected, tolerance));
+        };
+        (0..3).for_each(|k| row(format!("p of {}", CONES[k]), p[k], expected_p[k], 1e-4));
+        row("x".into(), ours_x, x, 2e-3);
+        row("y".into(), ours_y, y, 2e-3);
+        row("Y".into(), xyz[1], luminance, 2e-3 * luminance);
     }
-    let p = unbleached(1.0);
-    checks.push(Check::new("half-degree sun, unbleached L after 1 s", source, p[0], 0.357, 2e-3));
-    checks.push(Check::new("half-degree sun, unbleached M after 1 s", source, p[1], 0.610, 2e-3));
     Ok(checks)
 }
 

@@ -33,7 +33,13 @@ fn pupils() -> Vec<Check> {
         ),
     ];
     let at = |rule: Rule, nits: f64| {
-        rule.diameter(Adapting { fovea: Nits(nits), picture: Nits(nits), area_deg2: 36.0 }).0
+        rule.diameter(Adapting {
+            fovea: Nits(nits),
+            picture: Nits(nits),
+            area_deg2: 36.0,
+            surround: Nits(0.0),
+        })
+        .0
     };
     let of_pair = |(name, published, printed, source)| {
         [1.0, 100.0].map(|nits| {
