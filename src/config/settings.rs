@@ -356,6 +356,7 @@ impl Default for DisplayKeys {
 #[serde(default, deny_unknown_fields)]
 pub struct Output {
     pub seen: SeenKey,
+    pub keep: KeepKey,
     pub display: DisplayFile,
     pub state: StateKey,
     pub video: String,
@@ -369,6 +370,7 @@ impl Default for Output {
     fn default() -> Self {
         Output {
             seen: SeenKey::Exr,
+            keep: KeepKey::All,
             display: DisplayFile::Png,
             state: StateKey::Last,
             video: "none".into(),

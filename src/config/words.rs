@@ -52,6 +52,8 @@ words! {
     CeilingKey { Human, Linear } default Human
     /// `output.seen`.
     SeenKey { Exr, None } default Exr
+    /// `output.keep`.
+    KeepKey { All, None } default All
     /// `output.display`.
     DisplayFile { Png, None } default Png
     /// `output.state`.

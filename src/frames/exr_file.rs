@@ -116,6 +116,7 @@ pub(super) fn text(text: &Text) -> String {
 }
 
 /// The picture of one part, as far as a window shows it.
+#[derive(Clone, Copy)]
 pub(super) struct Part<'a> {
     pub file: &'a ExrFile,
     pub index: usize,
@@ -135,9 +136,7 @@ impl Part<'_> {
 
     /// Where the samples of a channel lie.
     pub fn place(&self, channel: usize) -> Place {
-        let list = &self.header.channels.list;
-        let before = list[..channel].iter().map(|c| c.sample_type.bytes_per_sample()).sum();
-        Place { before, kind: list[channel].sample_type }
+        Place::of(&self.header.channels, channel)
     }
 
     /// Whether every pixel of the window has data.

@@ -27,6 +27,8 @@ pub(super) struct ExrPicture {
     pub file: ExrFile,
     pub part: usize,
     pub choice: Choice,
+    /// What the names of the layer's channels begin with.
+    pub prefix: String,
     header: Header,
     options: ReadOptions,
 }
@@ -34,7 +36,7 @@ pub(super) struct ExrPicture {
 impl ExrPicture {
     pub fn open(path: &Path, options: &ReadOptions) -> Result<ExrPicture> {
         let file = ExrFile::open(path)?;
-        let (part, choice) =
+        let (part, prefix, choice) =
             chosen(&file, options).map_err(|problem| Error::file(path, problem))?;
         let (width, height) =
             file.part(part, options.max_pixels).map(|part| (part.width(), part.height()))?;
@@ -65,7 +67,7 @@ impl ExrPicture {
                 .filter(|rate| rate.is_finite() && *rate > 0.0),
             notes,
         };
-        Ok(ExrPicture { file, part, choice, header, options: options.clone() })
+        Ok(ExrPicture { file, part, choice, prefix, header, options: options.clone() })
     }
 
     /// The part with the picture.
@@ -248,7 +250,7 @@ pub fn read_exr(path: &Path, names: &[&str], max_pixels: u64) -> Result<(Planes,
     };
     let choice = Choice { kind, channels, scale: Vec::new(), chroma: false, notes: Vec::new() };
     let options = ReadOptions { max_pixels, ..ReadOptions::default() };
-    let picture = ExrPicture { file, part: 0, choice, header, options };
+    let picture = ExrPicture { file, part: 0, choice, prefix: String::new(), header, options };
     Ok((picture.as_stored::<f32>(None)?.planes, json))
 }
 
@@ -269,7 +271,7 @@ pub(super) fn canvas<T: Stored>(recycled: Option<Planes>, length: usize, covered
 }
 
 /// The part and the channels of the wanted layer. The problem, if there is one, is a message.
-fn chosen(file: &ExrFile, options: &ReadOptions) -> Result<(usize, Choice), String> {
+fn chosen(file: &ExrFile, options: &ReadOptions) -> Result<(usize, String, Choice), String> {
     let layer = options.layer.as_str();
     let headers = file.meta.headers.iter().enumerate();
     let mut problem = None;
@@ -286,7 +288,7 @@ fn chosen(file: &ExrFile, options: &ReadOptions) -> Result<(usize, Choice), Stri
         ];
         for prefix in prefixes.into_iter().flatten() {
             match choice_under(header, &prefix, options) {
-                Some(Ok(choice)) => return Ok((index, choice)),
+                Some(Ok(choice)) => return Ok((index, prefix, choice)),
                 Some(Err(message)) => problem = problem.or(Some(message)),
                 None => {}
             }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use exr::meta::attribute::SampleType;
+use exr::meta::attribute::{ChannelList, SampleType};
 use half::f16;
 
 use crate::frames::census::{Sample, widen};
@@ -13,6 +13,15 @@ pub(super) struct Place {
     /// Bytes of the channels before it, per pixel.
     pub before: usize,
     pub kind: SampleType,
+}
+
+impl Place {
+    /// The place of a channel.
+    pub fn of(channels: &ChannelList, channel: usize) -> Place {
+        let list = &channels.list;
+        let before = list[..channel].iter().map(|c| c.sample_type.bytes_per_sample()).sum();
+        Place { before, kind: list[channel].sample_type }
+    }
 }
 
 /// Consecutive rows, decompressed: one block of scan lines, or one row of tiles.
@@ -42,8 +51,22 @@ impl Rows {
         to_window(self.columns.start)..to_window(self.columns.end)
     }
 
-    /// Copies the seen samples of a channel in the `i`th of [`Rows::rows`].
+    /// Converts the seen samples of a channel in the `i`th of [`Rows::rows`].
     pub fn fetch<T: Stored>(&self, i: usize, place: Place, out: &mut [T]) {
+        self.pieces(i, place, |columns, bytes| T::load(bytes, place.kind, &mut out[columns]));
+    }
+
+    /// Copies them as bytes.
+    pub fn copy(&self, i: usize, place: Place, out: &mut [u8]) {
+        let size = place.kind.bytes_per_sample();
+        self.pieces(i, place, |columns, bytes| {
+            out[columns.start * size..columns.end * size].copy_from_slice(bytes);
+        });
+    }
+
+    /// The seen samples of a channel in the `i`th of [`Rows::rows`], block by block: the columns
+    /// among the seen ones, and their bytes.
+    fn pieces(&self, i: usize, place: Place, mut visit: impl FnMut(Range<usize>, &[u8])) {
         let row = self.seen.start + i - self.first;
         for (columns, bytes) in &self.blocks {
             let seen = columns.start.max(self.columns.start)..columns.end.min(self.columns.end);
@@ -53,8 +76,8 @@ impl Rows {
             let size = place.kind.bytes_per_sample();
             let start = (row * self.bytes_per_pixel + place.before) * columns.len()
                 + (seen.start - columns.start) * size;
-            let out = &mut out[seen.start - self.columns.start..][..seen.len()];
-            T::load(&bytes[start..][..seen.len() * size], place.kind, out);
+            let bytes = &bytes[start..][..seen.len() * size];
+            visit(seen.start - self.columns.start..seen.end - self.columns.start, bytes);
         }
     }
 }

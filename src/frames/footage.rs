@@ -9,6 +9,7 @@ use crate::frames::census::{Census, Mending, verdict};
 use crate::frames::displayed::DisplayedPicture;
 use crate::frames::envi::EnviPicture;
 use crate::frames::exr_picture::ExrPicture;
+use crate::frames::plate::Plate;
 use crate::frames::radiance::RadiancePicture;
 use crate::frames::{Footage, Header, Kind, ReadOptions};
 use crate::light::{Frame, Planes, Samples};
@@ -149,9 +150,23 @@ impl Footage for Files {
             gain => Frame { planes: frame.planes.scaled(gain), ..frame },
         })
     }
+
+    fn plate(&self, index: usize) -> Result<Option<Plate>> {
+        self.plate_of(index)
+    }
 }
 
 impl Files {
+    fn plate_of(&self, index: usize) -> Result<Option<Plate>> {
+        let path = &self.paths[index];
+        if format(path)? != Format::OpenExr {
+            return Ok(None);
+        }
+        let picture = ExrPicture::open(path, &self.options)?;
+        let gain = self.gain(picture.header());
+        Ok(Some(Plate { picture, gain }))
+    }
+
     /// The factor from a frame's own numbers to those of the first one: the luminances of (1, 1, 1)
     /// may differ, where it is the files that tell them.
     fn gain(&self, other: &Header) -> f32 {

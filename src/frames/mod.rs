@@ -27,6 +27,9 @@ mod inspect;
 mod inspect_text;
 mod names;
 mod pattern;
+mod plate;
+mod plate_channels;
+mod plate_header;
 mod png_bytes;
 mod radiance;
 mod range;
@@ -39,10 +42,11 @@ pub use exr_description::{Channel, ExrDescription};
 pub use exr_picture::read_exr;
 pub use footage::open;
 pub use inspect::{Inspection, LuminanceWeights, inspect};
+pub use plate::Plate;
 pub use png_bytes::decode_png;
 pub use sequence::{Missing, Sequence};
 pub use state::{read_state, write_state};
-pub use written::{About, Compression, encode_png, write_exr, write_png};
+pub use written::{About, Compression, encode_png, write_exr, write_percept, write_png};
 
 use crate::colour::Primaries;
 use crate::error::Error;
@@ -92,6 +96,16 @@ pub trait Footage: Send + Sync {
         projection: Option<&Projection>,
         recycled: Option<Planes>,
     ) -> Result<Frame, Error>;
+    /// What else frame `index` carries, to be written with its percept; `None` where that is
+    /// nothing.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::File`] for a frame that can no longer be read.
+    fn plate(&self, index: usize) -> Result<Option<Plate>, Error> {
+        let _ = index;
+        Ok(None)
+    }
 }
 
 /// What to do with samples that are NaN or infinite.

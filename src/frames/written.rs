@@ -23,6 +23,7 @@ use rayon::prelude::*;
 use crate::colour::Primaries;
 use crate::error::{Error, Result};
 use crate::frames::atomic::write_whole;
+use crate::frames::plate::Plate;
 use crate::light::{Planes, Row, Samples};
 use crate::units::Nits;
 
@@ -56,7 +57,7 @@ impl Compression {
         ("dwab", Compression::Dwab),
     ];
 
-    fn in_file(self) -> exr::compression::Compression {
+    pub(super) fn in_file(self) -> exr::compression::Compression {
         use exr::compression::Compression as Code;
         match self {
             Compression::None => Code::Uncompressed,
@@ -94,6 +95,21 @@ pub struct About {
     pub frames_per_second: Option<f64>,
     /// The text of the attribute `sungaze`, JSON: what made the file, and from what.
     pub sungaze: Option<String>,
+}
+
+/// Writes the percept of a frame: the frame's plate in these colours where it is one, else R, G and
+/// B alone.
+pub fn write_percept(
+    path: &Path,
+    planes: &Planes,
+    compression: Compression,
+    about: &About,
+    plate: Option<&Plate>,
+) -> Result<()> {
+    match plate {
+        Some(plate) => plate.write(path, planes, compression, about),
+        None => write_exr(path, &["R", "G", "B"], planes, compression, about),
+    }
 }
 
 /// Writes planes as the channels `names`, each plane in the width that it has. Halves beyond the
@@ -166,6 +182,12 @@ fn header(
         LineOrder::Increasing,
     );
     header.shared_attributes.display_window = IntegerBounds::from_dimensions(size);
+    tell(&mut header, about);
+    (header, order)
+}
+
+/// Puts what a file says of itself into its header.
+pub(super) fn tell(header: &mut Header, about: &About) {
     header.shared_attributes.chromaticities = about.primaries.map(chromaticities);
     let own = &mut header.own_attributes;
     own.layer_name = None;
@@ -173,9 +195,8 @@ fn header(
     own.white_luminance = about.white.map(|white| white.0 as f32);
     own.frames_per_second = about.frames_per_second.map(rational);
     let text = |json: &str| Text::new_or_none(json_ascii(json)).map(AttributeValue::Text);
-    own.other
-        .extend(about.sungaze.as_deref().and_then(text).map(|text| (Text::from("sungaze"), text)));
-    (header, order)
+    let sungaze = about.sungaze.as_deref().and_then(text);
+    own.other.extend(sungaze.map(|text| (Text::from("sungaze"), text)));
 }
 
 /// The same JSON in ASCII, all that a text attribute is sure to hold.
@@ -238,7 +259,8 @@ fn finite(half: f16) -> f16 {
     if infinite { f16::from_bits(half.to_bits() - 1) } else { half }
 }
 
-fn packed(
+/// One block as it is stored.
+pub(super) fn packed(
     bytes: Vec<u8>,
     header: &Header,
     compression: Compression,

@@ -161,6 +161,7 @@ impl Watching {
         }
         let finished = Finished {
             number: step.number,
+            file: step.file,
             trace: record::trace_row(&self.eye, planes, &look, step),
             probes: record::probe_rows(&readings, step),
             map: self.map.clone(),

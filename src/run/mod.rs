@@ -30,7 +30,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use crate::config::settings::SeenKey;
+use crate::config::settings::{KeepKey, SeenKey};
 use crate::config::{Config, Settings};
 use crate::error::{Error, Result};
 use crate::eye::check::Check;
@@ -160,7 +160,7 @@ fn join<T>(thread: ScopedJoinHandle<'_, T>) -> T {
 /// The writer of a configuration's pictures.
 pub(crate) fn writer<'a>(
     config: &Config,
-    scene: &Scene,
+    scene: &'a Scene,
     resolved: &Value,
     folder: &'a Path,
 ) -> Result<Writer<'a>> {
@@ -170,6 +170,7 @@ pub(crate) fn writer<'a>(
         display: config.display(),
         seen_to_srgb: scene.vision.seen_to_srgb.map(|row| row.map(|v| v as f32)),
         seen: config.settings.output.seen == SeenKey::Exr,
+        plates: (config.settings.output.keep == KeepKey::All).then_some(&*scene.footage),
         compression: config.compression()?,
         about: scene.about(&digest),
         digest,

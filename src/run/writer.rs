@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use crate::display::{Display, ToneMap};
 use crate::error::{Error, Result};
-use crate::frames::{self, About, Compression, atomic};
+use crate::frames::{self, About, Compression, Footage, atomic};
 use crate::light::Planes;
 use crate::run::checkpoint::Checkpoint;
 use crate::run::report::Timing;
@@ -27,6 +27,8 @@ pub enum Delivery {
 /// One finished frame.
 pub struct Finished {
     pub number: u32,
+    /// The frame of the footage that was looked at.
+    pub file: usize,
     pub seen: Planes,
     pub map: Option<Arc<ToneMap>>,
     /// Unbleached fractions to be written as `state.####.exr`, or `state.exr` for `None`.
@@ -43,6 +45,8 @@ pub struct Writer<'a> {
     pub seen_to_srgb: [[f32; 3]; 3],
     /// Whether `seen` is written at all.
     pub seen: bool,
+    /// Whose frames pass on with `seen` what else they carry.
+    pub plates: Option<&'a dyn Footage>,
     pub compression: Compression,
     pub about: About,
     /// Digest of the configuration, for state files.
@@ -173,7 +177,9 @@ impl Writer<'_> {
         };
         if self.seen {
             let path = named(format!("seen.{number:04}.exr"));
-            frames::write_exr(&path, &["R", "G", "B"], &frame.seen, self.compression, &self.about)?;
+            let plate = self.plates.map_or(Ok(None), |footage| footage.plate(frame.file))?;
+            let (seen, about) = (&frame.seen, &self.about);
+            frames::write_percept(&path, seen, self.compression, about, plate.as_ref())?;
         }
         if let Some(rgb) = picture {
             let path = named(format!("display.{number:04}.png"));

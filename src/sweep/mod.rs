@@ -249,7 +249,7 @@ impl Cells<'_> {
             pictures.extend(writer.picture(&small, map));
             steady = seen.steady;
             if self.sweep.pictures {
-                let cell = finished(case, cell, seen.look.percept, map);
+                let cell = finished(case, cell, (span.file, seen.look.percept), map);
                 writer.write(&cell, &mut Timing::default())?;
             }
             self.watch.frames(self.done.fetch_add(1, Ordering::Relaxed) + 1, cells);
@@ -271,10 +271,16 @@ impl Cells<'_> {
 }
 
 /// The pictures of a cell, numbered from 1 in the order of durations.
-fn finished(case: &Case, cell: usize, seen: crate::light::Planes, map: &Arc<ToneMap>) -> Finished {
+fn finished(
+    case: &Case,
+    cell: usize,
+    (file, seen): (usize, crate::light::Planes),
+    map: &Arc<ToneMap>,
+) -> Finished {
     let shown = case.config.settings.output.display == DisplayFile::Png;
     Finished {
         number: cell as u32 + 1,
+        file,
         seen,
         map: shown.then(|| map.clone()),
         state: None,

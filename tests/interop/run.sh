@@ -20,3 +20,4 @@ if [ -z "${SUNGAZE:-}" ]; then
     SUNGAZE=$here/../../target/release/sungaze
 fi
 "$venv/bin/python" "$here/check.py" "$SUNGAZE" "$work"
+"$venv/bin/python" "$here/plates.py" "$SUNGAZE" "$work"

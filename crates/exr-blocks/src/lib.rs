@@ -5,12 +5,14 @@
 //! * [`zip`]: ZIP and ZIPS blocks encoded by a deflate for differences of neighbours and nothing
 //!   else, many times as fast as a general one; any inflate reads them.
 //! * [`header`]: headers attribute by attribute, as bytes, to be passed on.
+//! * [`chunks`]: files put together of headers and encoded chunks.
 //!
 //! A block is what one chunk of a file holds: consecutive rows, each channel after channel in the
 //! order of their names, little-endian. Blocks are independent of each other, so that a caller may
 //! do many at once; nothing here starts a thread. No input makes these functions panic or allocate
 //! more than the block that was declared and fixed tables.
 
+pub mod chunks;
 mod damaged;
 mod deflate;
 pub mod header;
