@@ -47,8 +47,7 @@ impl Gaze {
     }
 
     /// The point looked at in pixels, at `time`. `brightest`: the centroid of the frame's brightest
-    /// region; `first`: where the first
-    /// look went.
+    /// region; `first`: where the first look went.
     pub fn pixel(
         &self,
         time: f64,
@@ -75,8 +74,8 @@ impl Gaze {
     }
 
     /// Where the first look goes, in pixels.
-    pub fn at_first(&self, survey: &Survey, size: [usize; 2]) -> [f64; 2] {
-        self.pixel(0.0, survey, size, None)
+    pub fn at_first(&self, brightest: impl FnOnce() -> [f64; 2], size: [usize; 2]) -> [f64; 2] {
+        self.pixel(0.0, brightest, size, None)
     }
 }
 

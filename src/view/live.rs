@@ -71,11 +71,11 @@ impl Live {
         let still = scene.footage.len() == 1;
         let reel = Reel::new(&scene.steps, still);
         let loaded = scene.sequence(Some(Vec::new())).load(reel.file(0.0), None)?;
-        let display = scene.display(&config);
+        let display = config.display();
         let map = Arc::new(display.follow(None, &loaded.survey, Seconds(0.0)));
         let eye = scene.eye(&config)?;
         let before = Arc::new(unbleached(&config, &scene, &loaded)?);
-        let gaze = first_gaze(&config, &loaded)?;
+        let gaze = first_gaze(&config, &scene, &loaded)?;
         let head = Head::rested([before.width, before.height], gaze);
         let path = if saved { recorded(&config)? } else { Vec::new() };
         Ok(Live {
@@ -239,7 +239,7 @@ impl Live {
     pub fn set(&mut self, keys: &[(String, Value)]) -> Result<()> {
         let config = self.config.with_values(keys)?;
         if keys.iter().all(|(key, _)| key.starts_with("display.")) && self.reel.is_still() {
-            self.display = self.scene.display(&config);
+            self.display = self.config.display();
             self.map = Arc::new(self.display.follow(None, &self.loaded.1.survey, Seconds(0.0)));
             self.keys.each(|state| state.map = self.map.clone());
             self.config = config;
@@ -261,9 +261,10 @@ fn recorded(config: &Config) -> Result<Vec<Moment>> {
 }
 
 /// Where the eye looks at first, fractions of the picture.
-fn first_gaze(config: &Config, light: &Loaded) -> Result<[f64; 2]> {
+fn first_gaze(config: &Config, scene: &Scene, light: &Loaded) -> Result<[f64; 2]> {
     let size = [light.frame.planes.width, light.frame.planes.height];
-    let at = Gaze::of(config)?.at_first(&light.survey, size);
+    let brightest = || eye::brightest(&scene.vision, &light.frame.planes, &light.survey);
+    let at = Gaze::of(config)?.at_first(brightest, size);
     Ok([0, 1].map(|i| ((at[i] + 0.5) / size[i] as f64).clamp(0.0, 1.0)))
 }
 
