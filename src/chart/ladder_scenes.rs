@@ -2,7 +2,7 @@
 
 use crate::colour::Primaries;
 use crate::error::Result;
-use crate::frames::builtin::{Ground, Sunset};
+use crate::frames::builtin::Sunset;
 use crate::frames::{Footage, Kind};
 use crate::light::{Planes, Samples};
 use crate::observer::Observer;
@@ -75,7 +75,7 @@ fn picture(level: f64, disc: f64) -> Planes {
 
 /// The built-in sunset as its bands, over a minute.
 fn sunset() -> Result<Scene> {
-    let footage = Sunset::new(WIDTH, 0.5, 2.5, Ground::Sea);
+    let footage = Sunset::new(WIDTH, 0.5, 2.5);
     let Kind::Spectral(bands) = &footage.header().kind else {
         unreachable!("the built-in sunset is spectral")
     };

@@ -4,7 +4,7 @@ use crate::display::{Ceiling, Display, Tone};
 use crate::error::{Error, Result};
 use crate::eye::pigment::Model;
 use crate::eye::{Surround, plan};
-use crate::frames::builtin::{Ground, Sunset};
+use crate::frames::builtin::Sunset;
 use crate::frames::{
     self, ChannelNames, Compression, Negative, NonFinite, Quantity, ReadOptions, Sequence, Wanted,
 };
@@ -218,13 +218,9 @@ impl Config {
     /// The built-in scene of `[input]`.
     pub fn scene(&self) -> Sunset {
         let input = &self.settings.input;
-        let ground = match input.horizon.unwrap_or_default() {
-            Horizon::Sea => Ground::Sea,
-            Horizon::Land => Ground::Land,
-        };
         let (elevation, turbidity) =
             (input.sun_elevation_deg.unwrap_or(0.5), input.turbidity.unwrap_or(2.5));
-        Sunset::new(input.width.unwrap_or(480) as usize, elevation, turbidity, ground)
+        Sunset::new(input.width.unwrap_or(480) as usize, elevation, turbidity)
     }
 
     /// What lies beyond the picture.

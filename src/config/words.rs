@@ -21,7 +21,7 @@ words! {
     /// The built-in scene.
     Scene { Sunset } default Sunset
     /// What lies under its horizon.
-    Horizon { Sea, Land } default Sea
+    Horizon { Sea } default Sea
     /// `input.kind`.
     FileKind { Auto, Rgb, Spectral } default Auto
     /// `input.quantity`.

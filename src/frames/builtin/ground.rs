@@ -1,5 +1,4 @@
-//! What lies under the horizon, painted: a sea that mirrors the sky and the sun in its waves, or
-//! dark hills.
+//! What lies under the horizon, painted: a sea that mirrors the sky and the sun in its waves.
 //!
 //! Waves are a sum of sines in `aside/sqrt depth` and `ln depth`: they shorten and narrow toward
 //! the horizon, as a sea does in perspective. A sine fades as it comes near two pixels, exp(-g^2/4)
@@ -89,23 +88,6 @@ pub(super) fn sea(waves: &Waves, aside: f64, depth: f64, sun_deg: f64, pixel: f6
         gold: 900.0 * path * swell.glint(1.4),
         ..Mixture::DARK
     })
-}
-
-/// Height of the hills' outline over the horizon, degrees.
-pub(super) fn hills(aside: f64) -> f64 {
-    let rolling = 0.5 * (1.1 * aside + 0.4).sin()
-        + 0.3 * (2.7 * aside + 2.0).sin()
-        + 0.12 * (6.1 * aside).sin();
-    let trees = 0.010 * (41.0 * aside).sin() + 0.008 * (67.0 * aside + 1.0).sin();
-    0.12 * rolling.abs() * (aside / 1.2).powi(2).min(2.5) + trees * (aside / 1.5).powi(2).min(1.0)
-}
-
-/// Luminances of land: dark against the sky, hazier in the distance.
-pub(super) fn land(aside: f64, above: f64, sun_deg: f64) -> Mixture {
-    let haze = (above.min(0.0) / 0.5).exp();
-    let fields = 1.0 + 0.25 * (3.1 * aside - 9.0 * above).sin() * (1.3 * aside + 4.0 * above).cos();
-    let lit = sky(aside.hypot(sun_deg), 0.3).times(0.10 * haze);
-    lit.plus(Mixture { gold: 9.0 * fields, air: 12.0 + 14.0 * haze, ..Mixture::DARK })
 }
 
 #[cfg(test)]

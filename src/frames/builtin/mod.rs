@@ -1,6 +1,6 @@
-//! The built-in scene: a low sun over the sea, or over land, as spectral radiance.
+//! The built-in scene: a low sun over the sea, as spectral radiance.
 //!
-//! The sun's disc is exact within the model of `sun`; sky, sea and land are painted with light
+//! The sun's disc is exact within the model of `sun`; sky and sea are painted with light
 //! scattered out of the same sun. The picture is 8 degrees across, the sun in its middle.
 
 mod ground;
@@ -29,18 +29,10 @@ pub use sun::radiance as sun_radiance;
 /// Samples of the disc's edge along each side of a pixel.
 const SIDE: usize = 8;
 
-/// What lies under the horizon.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ground {
-    Sea,
-    Land,
-}
-
 /// A sun at `elevation_deg` in the middle of a picture that is 8 degrees across.
 #[derive(Clone, Debug)]
 pub struct Sunset {
     elevation_deg: f64,
-    ground: Ground,
     header: Header,
     waves: Waves,
     /// Mean luminance of the disc, cd/m2.
@@ -51,7 +43,7 @@ pub struct Sunset {
 
 impl Sunset {
     /// The scene at a width in pixels; the height is nine sixteenths of it.
-    pub fn new(width: usize, elevation_deg: f64, turbidity: f64, ground: Ground) -> Self {
+    pub fn new(width: usize, elevation_deg: f64, turbidity: f64) -> Self {
         let bands = bands();
         let disc: Vec<f64> = bands
             .as_slice()
@@ -68,7 +60,7 @@ impl Sunset {
             frames_per_second: None,
             notes: Vec::new(),
         };
-        Sunset { elevation_deg, ground, header, waves: Waves::new(), sun, spectra }
+        Sunset { elevation_deg, header, waves: Waves::new(), sun, spectra }
     }
 
     fn degrees_per_pixel(&self) -> f64 {
@@ -86,18 +78,10 @@ impl Sunset {
         (x as f64 - (self.header.width as f64 - 1.0) / 2.0) * self.degrees_per_pixel()
     }
 
-    /// Elevation of what hides the sky, degrees.
-    fn outline(&self, aside: f64) -> f64 {
-        match self.ground {
-            Ground::Sea => 0.0,
-            Ground::Land => ground::hills(aside),
-        }
-    }
-
     /// The light at a place: sky and ground by their shares of the pixel, and the sun.
     fn light(&self, aside: f64, above: f64) -> Mixture {
         let pixel = self.degrees_per_pixel();
-        let open = ((above - self.outline(aside)) / pixel + 0.5).clamp(0.0, 1.0);
+        let open = (above / pixel + 0.5).clamp(0.0, 1.0);
         let sky_light = (self.sun / USUAL_SUN).sqrt();
         let mut light = Mixture { sun: self.disc(aside, above), ..Mixture::DARK };
         if open > 0.0 {
@@ -105,12 +89,8 @@ impl Sunset {
             light = light.plus(sky.times(open * sky_light));
         }
         if open < 1.0 {
-            let ground = match self.ground {
-                Ground::Sea => {
-                    ground::sea(&self.waves, aside, (-above).max(0.0), self.elevation_deg, pixel)
-                }
-                Ground::Land => ground::land(aside, above, self.elevation_deg),
-            };
+            let depth = (-above).max(0.0);
+            let ground = ground::sea(&self.waves, aside, depth, self.elevation_deg, pixel);
             light = light.plus(ground.times((1.0 - open) * sky_light));
         }
         light
@@ -126,7 +106,7 @@ impl Sunset {
         let offset = |i: usize| ((i as f64 + 0.5) / SIDE as f64 - 0.5) * pixel;
         let sample = |i: usize| {
             let (aside, above) = (aside + offset(i % SIDE), above + offset(i / SIDE));
-            let open = above >= self.outline(aside);
+            let open = above >= 0.0;
             if open {
                 sun::limb(aside.hypot(above - self.elevation_deg) / sun::RADIUS_DEG)
             } else {
@@ -216,7 +196,7 @@ mod tests {
 
     #[test]
     fn every_pixel_of_the_disc_has_the_spectrum_of_its_centre() {
-        let scene = Sunset::new(480, 0.5, 2.5, Ground::Sea);
+        let scene = Sunset::new(480, 0.5, 2.5);
         let planes = frame(&scene);
         let ratio = |x, y| planes.at(x, y, 56) / planes.at(x, y, 40);
         for (x, y) in [(240, 122), (240, 148), (228, 135), (252, 135)] {
@@ -227,7 +207,7 @@ mod tests {
     #[test]
     fn the_discs_light_is_that_of_the_sun_at_any_width() {
         for width in [64, 480, 1000] {
-            let scene = Sunset::new(width, 2.0, 2.5, Ground::Land);
+            let scene = Sunset::new(width, 2.0, 2.5);
             let (height, pixel) = (scene.header.height, scene.degrees_per_pixel());
             let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
             let sum: f64 =
@@ -238,17 +218,12 @@ mod tests {
     }
 
     #[test]
-    fn every_elevation_and_ground_gives_finite_light() {
+    fn every_elevation_gives_finite_light() {
         for elevation in [0.0, 0.2, 3.0, 45.0, 90.0] {
-            for ground in [Ground::Sea, Ground::Land] {
-                let planes = frame(&Sunset::new(16, elevation, 2.5, ground));
-                let Samples::Float(samples) = planes.samples else { unreachable!() };
-                assert!(
-                    samples.iter().all(|v| v.is_finite() && *v >= 0.0),
-                    "{elevation} {ground:?}"
-                );
-                assert!(samples.iter().any(|v| *v > 0.0));
-            }
+            let planes = frame(&Sunset::new(16, elevation, 2.5));
+            let Samples::Float(samples) = planes.samples else { unreachable!() };
+            assert!(samples.iter().all(|v| v.is_finite() && *v >= 0.0), "{elevation}");
+            assert!(samples.iter().any(|v| *v > 0.0));
         }
     }
 }
