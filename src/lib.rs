@@ -49,7 +49,7 @@
 //!
 //! | room | holds | to add |
 //! |---|---|---|
-//! | [`units`], [`error`] | one-field unit types; the one error enum | |
+//! | [`units`], [`error`], [`text`] | one-field unit types; the one error enum; text for people | |
 //! | [`spectrum`], [`colour`] | wavelengths and tables; primaries and 3x3 matrices | a published table: a CSV in `data/` and a line in [`spectrum`] |
 //! | [`light`] | planes, rows and tiles of a frame, its luminances | |
 //! | [`constants`] | published constants by name | a row |
@@ -60,7 +60,7 @@
 //! | [`vision`] | one linear operator: projections of light, illuminance, catches; the scalar truth | |
 //! | [`eye`] | the core: an eye in time, its stages, retina, plan and check | a stage: its file, a line in `stages.rs`, its keys |
 //! | [`display`] | tone reproduction, gamut, encoding | |
-//! | [`frames`] | files in and out, the built-in scene | a format: a file and a line |
+//! | [`frames`] | files in and out, the built-in scene | a format: a file with a `FORMAT`, and two lines in `frames/mod.rs` |
 //! | `plot` | figures: axes, palette, lines and words, as SVG and PNG | |
 //! | [`config`] | TOML -> everything above | a key: a field in `config/settings.rs`, a range in `check.rs` |
 //! | [`page`] | `report.html` and the live page: one HTML file | a panel: a script in `page/`, a line in [`page`] |
@@ -119,6 +119,7 @@ pub mod run;
 pub mod spectrum;
 pub mod step;
 pub mod sweep;
+pub mod text;
 pub mod units;
 pub mod validate;
 pub mod view;

@@ -69,13 +69,7 @@ fn input(s: &Settings) -> Check {
                 "belongs to the built-in scene; it has no meaning beside input.frames".into(),
             ));
         }
-        let Some(fov) = input.horizontal_fov_deg else {
-            return Err((
-                "input.horizontal_fov_deg".into(),
-                "is required with input.frames: how many degrees the picture is across".into(),
-            ));
-        };
-        within("input.horizontal_fov_deg", fov, 1e-3, 360.0)?;
+        optional("input.horizontal_fov_deg", input.horizontal_fov_deg, 1e-3, 360.0)?;
     } else if input.horizontal_fov_deg.is_some() {
         return Err((
             "input.horizontal_fov_deg".into(),
@@ -85,6 +79,7 @@ fn input(s: &Settings) -> Check {
     optional("input.width", input.width.map(f64::from), 16.0, 16384.0)?;
     optional("input.sun_elevation_deg", input.sun_elevation_deg, 0.0, 90.0)?;
     optional("input.turbidity", input.turbidity, 1.0, 10.0)?;
+    optional("input.peak_cd_m2", input.peak_cd_m2, 1.0, 1e6)?;
     optional("input.white_cd_m2", input.white_cd_m2, 1e-9, 1e12)?;
     channels(s)?;
     within("input.scale", input.scale, 1e-30, 1e30)?;

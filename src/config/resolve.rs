@@ -142,6 +142,11 @@ impl Config {
             },
             max_pixels: input.max_pixels,
             own_white: input.white_cd_m2.is_none(),
+            transfer: input
+                .transfer
+                .transfer(input.peak_cd_m2)
+                .map_err(|problem| self.wrong("input.transfer", problem))?,
+            peak_cd_m2: input.peak_cd_m2,
         })
     }
 

@@ -3,6 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::frames::{TransferKey, ViewProjection};
 use crate::observer::{Field, Set};
 
 pub use super::words::*;
@@ -77,6 +78,12 @@ pub struct Input {
     pub bands_nm: Option<BandRange>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub horizontal_fov_deg: Option<f64>,
+    /// The file's, or else angular.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub projection: Option<ViewProjection>,
+    pub transfer: TransferKey,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub peak_cd_m2: Option<f64>,
     pub missing: Missing,
     pub non_finite: NonFiniteKey,
     pub negative: NegativeKey,
@@ -101,6 +108,9 @@ impl Default for Input {
             channels: None,
             bands_nm: None,
             horizontal_fov_deg: None,
+            projection: None,
+            transfer: TransferKey::Auto,
+            peak_cd_m2: None,
             missing: Missing::Error,
             non_finite: NonFiniteKey::Error,
             negative: NegativeKey::Keep,

@@ -3,7 +3,7 @@
 use half::f16;
 use half::slice::HalfFloatSliceExt;
 
-use crate::frames::{Negative, NonFinite, ReadOptions};
+use crate::frames::options::{Negative, NonFinite, ReadOptions};
 use crate::light::{Samples, Tally};
 
 /// A number that a picture is stored in.

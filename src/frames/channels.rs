@@ -2,7 +2,9 @@
 
 use crate::colour::Primaries;
 use crate::frames::names::{Meaning, meaning, number_in};
-use crate::frames::{ChannelNames, Kind, Quantity, ReadOptions, Wanted};
+use crate::frames::options::{ChannelNames, Quantity, ReadOptions, Wanted};
+use crate::frames::picture::Kind;
+use crate::frames::visible;
 use crate::spectrum::{Band, Bands};
 
 /// What is known of the channels of one part of a file.
@@ -79,7 +81,8 @@ fn spectral(
         Quantity::BandIntegral => options.scale / band.width(),
     });
     let scale = scale.collect();
-    let notes = passed_over(offer.names, &channels);
+    let mut notes = passed_over(offer.names, &channels);
+    notes.extend(visible::examine(&bands)?);
     Ok(Choice { kind: Kind::Spectral(bands), channels, scale, chroma: false, notes })
 }
 

@@ -1,95 +1,107 @@
-//! PNG and JPEG: pictures made for a display, decoded to linear light by the sRGB curve (IEC
-//! 61966-2-1).
+//! Pictures made for a display, PNG and JPEG: integer codes, decoded to linear light by a transfer
+//! curve.
 //!
-//! Such a picture has lost its sun: whatever was brighter than white is white. The note says so,
-//! and samples at the top of their range are counted.
+//! Such a picture has lost its sun: whatever was brighter than white is white. A note says so, and
+//! samples at the top of their range are counted.
 
-use std::path::{Path, PathBuf};
-
-use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
+use std::path::Path;
 
 use crate::colour::Primaries;
 use crate::error::{Error, Result};
-use crate::frames::footage::{DENSEST, Picture, believable, examined};
-use crate::frames::{Header, Kind, ReadOptions, Wanted};
-use crate::light::{Frame, Planes};
-use crate::vision::Projection;
+use crate::frames::options::{ReadOptions, Wanted};
+use crate::frames::picture::{Header, Kind, examined};
+use crate::frames::transfer::Transfer;
+use crate::frames::turn::Turn;
+use crate::light::Frame;
+use crate::units::Nits;
 
-const WARNING: &str = "display-referred (decoded by the sRGB curve): light brighter than white was cut off, so a sun in it is far too dim";
-
-pub(super) struct DisplayedPicture {
-    path: PathBuf,
-    header: Header,
-    options: ReadOptions,
+/// The codes of a picture, row by row and pixel by pixel.
+pub(super) struct Codes {
+    pub width: usize,
+    pub height: usize,
+    /// 1 grey, 2 grey and alpha, 3 RGB, 4 RGB and alpha.
+    pub channels: usize,
+    /// The greatest code.
+    pub top: u16,
+    pub samples: Vec<u16>,
 }
 
-impl DisplayedPicture {
-    pub fn open(path: &Path, options: &ReadOptions) -> Result<DisplayedPicture> {
-        if options.wanted == Wanted::Spectral {
-            return Err(Error::file(path, "is an RGB picture; `kind` asks for spectral light"));
+/// What a file says its codes mean.
+#[derive(Clone, Debug)]
+pub(super) struct Meaning {
+    pub primaries: Primaries,
+    pub transfer: Transfer,
+    pub turn: Turn,
+    pub notes: Vec<String>,
+}
+
+/// Refuses what cannot be asked of such a picture.
+pub(super) fn refuse_spectral(path: &Path, options: &ReadOptions) -> Result<()> {
+    match options.wanted {
+        Wanted::Spectral => {
+            Err(Error::file(path, "is an RGB picture; `kind` asks for spectral light"))
         }
-        let decoder = decoder(path)?;
-        let (width, height) = (decoder.dimensions().0 as usize, decoder.dimensions().1 as usize);
-        believable(path, (width, height), 3, DENSEST, options.max_pixels)?;
-        let mut notes = vec![WARNING.to_owned()];
-        if decoder.color_type().has_alpha() {
-            notes.push("passed over its alpha".into());
-        }
-        let kind = Kind::Rgb(Primaries::REC709);
-        let header = Header { width, height, kind, white: None, frames_per_second: None, notes };
-        Ok(DisplayedPicture { path: path.to_owned(), header, options: options.clone() })
+        _ => Ok(()),
     }
 }
 
-fn decoder(path: &Path) -> Result<impl ImageDecoder> {
-    let mut reader = ImageReader::open(path).map_err(Error::io(path, "read"))?;
-    reader = reader.with_guessed_format().map_err(Error::io(path, "read"))?;
-    reader.limits(Limits::no_limits());
-    reader.into_decoder().map_err(|error| unreadable(path, error))
-}
-
-fn unreadable(path: &Path, error: image::ImageError) -> Error {
-    Error::file(path, format!("is damaged or cut short: {error}"))
-}
-
-/// Linear light of a display's signal in 0..=1.
-fn linear(signal: f64) -> f32 {
-    let light =
-        if signal <= 0.04045 { signal / 12.92 } else { ((signal + 0.055) / 1.055).powf(2.4) };
-    light as f32
-}
-
-impl Picture for DisplayedPicture {
-    fn header(&self) -> &Header {
-        &self.header
+impl Meaning {
+    /// Codes of sRGB, the right way up.
+    pub fn srgb() -> Meaning {
+        let (primaries, transfer) = (Primaries::REC709, Transfer::Srgb);
+        Meaning { primaries, transfer, turn: Turn::default(), notes: Vec::new() }
     }
 
-    fn decode(&self, _: Option<&Projection>, _: Option<Planes>) -> Result<Frame> {
-        let (width, height) = (self.header.width, self.header.height);
-        let decoder = decoder(&self.path)?;
-        if decoder.dimensions() != (width as u32, height as u32) {
-            return Err(Error::file(&self.path, "changed while it was read"));
-        }
-        let color = decoder.color_type();
-        let deep = color.bytes_per_pixel() > color.channel_count();
-        let top = if deep { u16::MAX } else { u8::MAX.into() };
-        let image =
-            DynamicImage::from_decoder(decoder).map_err(|error| unreadable(&self.path, error))?;
-        let samples: Vec<u16> = if deep {
-            image.into_rgb16().into_raw()
+    /// The header of a picture that is stored in this width and height.
+    pub fn header(&self, (width, height): (usize, usize), options: &ReadOptions) -> Header {
+        let (width, height) = self.turn.size(width, height);
+        let mut notes = Vec::new();
+        if self.transfer == Transfer::Pq {
+            notes.push("decoded by the PQ curve (ST 2084), in cd/m2".into());
         } else {
-            image.into_rgb8().into_raw().into_iter().map(u16::from).collect()
-        };
+            notes.push(format!(
+                "display-referred (decoded by {}): light brighter than white was cut off, so a \
+                 sun in it is far too dim",
+                self.transfer
+            ));
+        }
+        notes.extend(self.notes.iter().cloned());
+        let white = self.transfer.white().or(options.peak_cd_m2.map(Nits));
+        Header { white, notes, ..Header::new(width, height, Kind::Rgb(self.primaries)) }
+    }
+
+    /// The light of the codes.
+    pub fn light(&self, codes: &Codes, path: &Path, options: &ReadOptions) -> Result<Frame> {
+        let top = f64::from(codes.top);
         let curve: Vec<f32> =
-            (0..=top).map(|code| linear(f64::from(code) / f64::from(top))).collect();
-        let mut planes = vec![0.0; samples.len()];
-        for (row, out) in samples.chunks_exact(width * 3).zip(planes.chunks_exact_mut(width * 3)) {
-            for (i, code) in row.iter().enumerate() {
-                out[i % 3 * width + i / 3] = curve[usize::from(*code)];
+            (0..=codes.top).map(|code| self.transfer.light(f64::from(code) / top) as f32).collect();
+        let (width, height) = self.turn.size(codes.width, codes.height);
+        let mut planes = vec![0.0; width * height * 3];
+        let mut clipped = 0;
+        for (y, out) in planes.chunks_exact_mut(width * 3).enumerate() {
+            for x in 0..width {
+                let (column, row) = self.turn.source((x, y), (codes.width, codes.height));
+                let rgb = codes.rgb(column, row);
+                clipped += rgb.iter().filter(|code| **code == codes.top).count() as u64;
+                let light = self.transfer.shown(rgb.map(|code| curve[usize::from(code)]));
+                (0..3).for_each(|plane| out[plane * width + x] = light[plane]);
             }
         }
-        let mut frame = examined(&self.path, planes, (width, height), &self.options)?;
-        frame.tally.clipped = samples.iter().filter(|code| **code == top).count() as u64;
+        let mut frame = examined(path, planes, (width, height), options)?;
+        frame.tally.clipped = clipped;
         Ok(frame)
+    }
+}
+
+impl Codes {
+    /// Eight-bit codes.
+    pub fn of_bytes(size: (usize, usize), channels: usize, bytes: &[u8]) -> Codes {
+        let samples = bytes.iter().map(|byte| u16::from(*byte)).collect();
+        Codes { width: size.0, height: size.1, channels, top: 255, samples }
+    }
+
+    fn rgb(&self, x: usize, y: usize) -> [u16; 3] {
+        let pixel = &self.samples[(y * self.width + x) * self.channels..][..self.channels];
+        if self.channels < 3 { [pixel[0]; 3] } else { [pixel[0], pixel[1], pixel[2]] }
     }
 }

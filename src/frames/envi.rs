@@ -10,9 +10,10 @@ use rayon::iter::{ParallelBridge, ParallelIterator};
 use crate::error::{Error, Result};
 use crate::frames::census::{Census, Mending, verdict};
 use crate::frames::envi_header::{EnviHeader, Interleave, Stored, parse};
-use crate::frames::exr_picture::canvas;
-use crate::frames::footage::{DENSEST, Picture, believable};
-use crate::frames::{Header, Kind, Quantity, ReadOptions, Wanted};
+use crate::frames::envi_pair::{has_header, is_header, pair};
+use crate::frames::options::{Quantity, ReadOptions, Wanted};
+use crate::frames::picture::{DENSEST, Footage, Format, Header, Kind, believable, canvas};
+use crate::frames::visible;
 use crate::light::{Frame, Planes, Samples};
 use crate::spectrum::Bands;
 use crate::vision::Projection;
@@ -22,8 +23,16 @@ const LONGEST_HEADER: u64 = 1 << 24;
 /// Bytes of samples that are read and projected together.
 const BLOCK: usize = 1 << 21;
 
-pub(super) struct EnviPicture {
-    pub envi: EnviHeader,
+pub(super) static FORMAT: Format = Format {
+    name: "ENVI",
+    extensions: &["hdr", "img", "raw", "dat", "bsq", "bil", "bip"],
+    recognise: |path, start| is_header(start) || has_header(path),
+    open: |path, options| Ok(Box::new(EnviPicture::open(path, options)?)),
+    outline: |_| None,
+};
+
+struct EnviPicture {
+    envi: EnviHeader,
     data: PathBuf,
     /// Bands of the file in order of wavelength.
     order: Vec<usize>,
@@ -34,35 +43,22 @@ pub(super) struct EnviPicture {
 
 impl EnviPicture {
     /// Opens a picture by its header or by its data file.
-    pub fn open(path: &Path, options: &ReadOptions) -> Result<EnviPicture> {
+    fn open(path: &Path, options: &ReadOptions) -> Result<EnviPicture> {
         if options.wanted == Wanted::Rgb {
             return Err(Error::file(path, "is an ENVI picture, spectral; `kind` asks for rgb"));
         }
         let (text, data) = pair(path)?;
-        let bytes = File::open(&text).map_err(Error::io(&text, "read"))?;
-        let mut head = Vec::new();
-        bytes.take(LONGEST_HEADER).read_to_end(&mut head).map_err(Error::io(&text, "read"))?;
         let fail = |problem: String| Error::file(&text, problem);
-        let mut envi = parse(&String::from_utf8_lossy(&head)).map_err(fail)?;
+        let mut envi = parse(&header_text(&text)?).map_err(fail)?;
+        let (width, height) = (envi.samples, envi.lines);
+        let pixel_bytes = envi.stored.bytes().saturating_mul(envi.bands);
+        believable(&data, (width, height), pixel_bytes, DENSEST, options.max_pixels)?;
+        holds(&data, &envi)?;
         let (bands, order) = bands(&envi).map_err(fail)?;
         let scale = scales(&envi, &bands, &order, options);
-        let pixel_bytes = envi.stored.bytes() * order.len();
-        believable(&data, (envi.samples, envi.lines), pixel_bytes, DENSEST, options.max_pixels)?;
-        let length = std::fs::metadata(&data).map_err(Error::io(&data, "read"))?.len();
-        let needed = (envi.samples as u64 * envi.lines as u64)
-            .checked_mul(pixel_bytes as u64)
-            .and_then(|bytes| bytes.checked_add(envi.offset));
-        if needed.is_none_or(|needed| needed > length) {
-            let size = format!("{} x {} x {}", envi.samples, envi.lines, order.len());
-            return Err(Error::file(
-                &data,
-                format!("is cut short: {length} bytes do not hold {size} samples"),
-            ));
-        }
-        let notes = std::mem::take(&mut envi.notes);
-        let (width, height) = (envi.samples, envi.lines);
-        let kind = Kind::Spectral(bands);
-        let header = Header { width, height, kind, white: None, frames_per_second: None, notes };
+        let mut notes = std::mem::take(&mut envi.notes);
+        notes.extend(visible::examine(&bands).map_err(fail)?);
+        let header = Header { notes, ..Header::new(width, height, Kind::Spectral(bands)) };
         Ok(EnviPicture { envi, data, order, scale, header, options: options.clone() })
     }
 
@@ -73,7 +69,7 @@ impl EnviPicture {
         mending: Mending,
     ) -> Result<Census> {
         let width = self.envi.samples;
-        let row_bytes = width * self.order.len() * self.envi.stored.bytes();
+        let row_bytes = width * self.envi.bands * self.envi.stored.bytes();
         let rows = (BLOCK / row_bytes).clamp(1, self.envi.lines);
         let mut file = BufReader::with_capacity(
             1 << 16,
@@ -107,7 +103,7 @@ impl EnviPicture {
 
     /// The bytes of some lines: as they stand, or band after band where the file is.
     fn read(&self, file: &mut BufReader<File>, lines: Range<usize>) -> Result<Vec<u8>> {
-        let (envi, bands) = (&self.envi, self.order.len());
+        let (envi, bands) = (&self.envi, self.envi.bands);
         let line = envi.samples * envi.stored.bytes();
         let mut bytes = vec![0; lines.len() * line * bands];
         let mut fill = |start: usize, bytes: &mut [u8]| {
@@ -126,7 +122,8 @@ impl EnviPicture {
 
     /// The samples of a band in the `i`th of `lines` lines.
     fn fetch(&self, bytes: &[u8], lines: usize, i: usize, band: usize, out: &mut [f32]) {
-        let (width, bands) = (self.envi.samples, self.order.len());
+        let (width, bands) = (self.envi.samples, self.envi.bands);
+        let (gain, offset) = self.envi.gain(band);
         let (first, step) = match self.envi.interleave {
             Interleave::Bsq => ((band * lines + i) * width, 1),
             Interleave::Bil => ((i * bands + band) * width, 1),
@@ -136,20 +133,27 @@ impl EnviPicture {
         let samples = bytes[first * size..].chunks_exact(size).step_by(step);
         for (out, sample) in out.iter_mut().zip(samples) {
             let value = number(sample, self.envi.stored, self.envi.big_endian);
-            *out = if self.envi.ignores(value) { 0.0 } else { value as f32 };
+            *out = if self.envi.ignores(value) { 0.0 } else { (value * gain + offset) as f32 };
         }
     }
 }
 
-impl Picture for EnviPicture {
+impl Footage for EnviPicture {
     fn header(&self) -> &Header {
         &self.header
     }
 
-    fn decode(&self, projection: Option<&Projection>, recycled: Option<Planes>) -> Result<Frame> {
+    fn read(
+        &self,
+        _: usize,
+        projection: Option<&Projection>,
+        recycled: Option<Planes>,
+    ) -> Result<Frame> {
         let bands: Vec<usize> = (0..self.order.len()).collect();
-        let every = Projection::identity(bands.len());
-        let projection = projection.unwrap_or(&every).reordered(&bands, &self.scale);
+        let projection = match projection {
+            Some(projection) => projection.reordered(&bands, &self.scale),
+            None => Projection::identity(bands.len()).reordered(&bands, &self.scale),
+        };
         let (width, height, count) = (self.envi.samples, self.envi.lines, projection.rows);
         let mut sums: Vec<f32> = canvas(recycled, width * height * count, true);
         let mending = Mending::first(&self.options);
@@ -166,15 +170,38 @@ impl Picture for EnviPicture {
     }
 }
 
-/// Bands in order of wavelength. They tile the spectrum between their centres: under gaps between
-/// the widths told by `fwhm`, and under overlaps, the light of a pixel would come out too small or
-/// too large.
+/// A header's text: UTF-8 where it is that, else Latin-1.
+fn header_text(path: &Path) -> Result<String> {
+    let file = File::open(path).map_err(Error::io(path, "read"))?;
+    let mut bytes = Vec::new();
+    file.take(LONGEST_HEADER).read_to_end(&mut bytes).map_err(Error::io(path, "read"))?;
+    let text = String::from_utf8(bytes);
+    Ok(text.unwrap_or_else(|other| other.as_bytes().iter().map(|&byte| char::from(byte)).collect()))
+}
+
+/// Refuses data that are shorter than their header says.
+fn holds(data: &Path, envi: &EnviHeader) -> Result<()> {
+    let length = std::fs::metadata(data).map_err(Error::io(data, "read"))?.len();
+    let sizes = [envi.samples, envi.lines, envi.bands, envi.stored.bytes()];
+    let needed = sizes.iter().try_fold(1u64, |product, &size| product.checked_mul(size as u64));
+    let needed = needed.and_then(|needed| needed.checked_add(envi.offset));
+    if needed.is_none_or(|needed| needed > length) {
+        let size = format!("{} x {} x {}", envi.samples, envi.lines, envi.bands);
+        let problem = format!("is cut short: {length} bytes do not hold {size} samples");
+        return Err(Error::file(data, problem));
+    }
+    Ok(())
+}
+
+/// Good bands in order of wavelength. They tile the spectrum between their centres: under gaps
+/// between the widths told by `fwhm`, and under overlaps, the light of a pixel would come out too
+/// small or too large. So the light of a bad band that was left out is that of its neighbours.
 fn bands(envi: &EnviHeader) -> Result<(Bands, Vec<usize>), String> {
-    let mut order: Vec<usize> = (0..envi.wavelengths.len()).collect();
+    let mut order: Vec<usize> = (0..envi.bands).filter(|&band| envi.is_good(band)).collect();
     order.sort_by(|&a, &b| envi.wavelengths[a].total_cmp(&envi.wavelengths[b]));
     let centres: Vec<f64> = order.iter().map(|&band| envi.wavelengths[band]).collect();
     let bands = Bands::from_centres(&centres)
-        .ok_or("has wavelengths that are not positive, or two that are equal")?;
+        .ok_or("has wavelengths that are not positive, or two that are equal, or no good band")?;
     Ok((bands, order))
 }
 
@@ -185,7 +212,7 @@ fn scales(envi: &EnviHeader, bands: &Bands, order: &[usize], options: &ReadOptio
         (Quantity::BandIntegral, Some(&fwhm)) if fwhm > 0.0 => fwhm,
         (Quantity::BandIntegral, _) => bands.as_slice()[i].width(),
     };
-    order.iter().enumerate().map(|place| options.scale / envi.divisor / width(place)).collect()
+    order.iter().enumerate().map(|place| options.scale / width(place)).collect()
 }
 
 fn number(bytes: &[u8], stored: Stored, big_endian: bool) -> f64 {
@@ -196,30 +223,12 @@ fn number(bytes: &[u8], stored: Stored, big_endian: bool) -> f64 {
     }
     let [a, b, c, d, ..] = raw;
     match stored {
+        Stored::U8 => a.into(),
+        Stored::I32 => i32::from_le_bytes([a, b, c, d]).into(),
+        Stored::U32 => u32::from_le_bytes([a, b, c, d]).into(),
         Stored::I16 => i16::from_le_bytes([a, b]).into(),
         Stored::U16 => u16::from_le_bytes([a, b]).into(),
         Stored::F32 => f32::from_le_bytes([a, b, c, d]).into(),
         Stored::F64 => f64::from_le_bytes(raw),
     }
-}
-
-/// The header and the data of a picture, given either.
-fn pair(path: &Path) -> Result<(PathBuf, PathBuf)> {
-    let is_header = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("hdr"));
-    let mut beside: Vec<PathBuf> = Vec::new();
-    if is_header {
-        beside.extend(
-            ["img", "dat", "raw", "bsq", "bil", "bip", ""]
-                .map(|extension| path.with_extension(extension)),
-        );
-    } else {
-        let appended = PathBuf::from(format!("{}.hdr", path.display()));
-        beside.extend([path.with_extension("hdr"), appended]);
-    }
-    let found = beside.iter().find(|beside| beside.is_file()).cloned().ok_or_else(|| {
-        let names: Vec<String> = beside.iter().map(|beside| beside.display().to_string()).collect();
-        let part = if is_header { "data" } else { "an ENVI header" };
-        Error::file(path, format!("has no {part} beside it; looked for {}", names.join(", ")))
-    })?;
-    Ok(if is_header { (path.to_owned(), found) } else { (found, path.to_owned()) })
 }

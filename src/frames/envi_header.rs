@@ -4,6 +4,7 @@
 //! in braces over as many lines as they need, `;` comments.
 
 use std::collections::BTreeMap;
+use std::str::FromStr;
 
 /// How samples follow each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,17 +20,21 @@ pub(super) enum Interleave {
 /// What a sample is stored as.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stored {
+    U8,
     I16,
+    I32,
     F32,
     F64,
     U16,
+    U32,
 }
 
 impl Stored {
     pub fn bytes(self) -> usize {
         match self {
+            Stored::U8 => 1,
             Stored::I16 | Stored::U16 => 2,
-            Stored::F32 => 4,
+            Stored::I32 | Stored::U32 | Stored::F32 => 4,
             Stored::F64 => 8,
         }
     }
@@ -40,6 +45,7 @@ impl Stored {
 pub(super) struct EnviHeader {
     pub samples: usize,
     pub lines: usize,
+    pub bands: usize,
     pub offset: u64,
     pub stored: Stored,
     pub interleave: Interleave,
@@ -48,14 +54,29 @@ pub(super) struct EnviHeader {
     pub wavelengths: Vec<f64>,
     /// Full width at half maximum of each band, nm; empty where it is not told.
     pub fwhm: Vec<f64>,
-    /// Stored numbers are divided by this.
-    pub divisor: f64,
+    /// What stored numbers of each band are multiplied by; empty for 1.
+    pub gains: Vec<f64>,
+    /// What is added then; empty for 0.
+    pub offsets: Vec<f64>,
+    /// Whether each band is to be trusted (`bbl`); empty where it is not told.
+    pub good: Vec<bool>,
     /// The stored number that means no data.
     pub ignore: Option<f64>,
     pub notes: Vec<String>,
 }
 
 impl EnviHeader {
+    /// Factor and summand of a band of the file.
+    pub fn gain(&self, band: usize) -> (f64, f64) {
+        let of = |list: &[f64], usual: f64| list.get(band).copied().unwrap_or(usual);
+        (of(&self.gains, 1.0), of(&self.offsets, 0.0))
+    }
+
+    /// Whether a band of the file is to be trusted.
+    pub fn is_good(&self, band: usize) -> bool {
+        self.good.get(band).copied().unwrap_or(true)
+    }
+
     /// Whether a stored number means that nothing was measured.
     pub fn ignores(&self, value: f64) -> bool {
         self.ignore.is_some_and(|ignore| value == ignore || (value.is_nan() && ignore.is_nan()))
@@ -64,83 +85,106 @@ impl EnviHeader {
 
 /// Reads a header. The problem, if there is one, is a message.
 pub(super) fn parse(text: &str) -> Result<EnviHeader, String> {
-    let fields = fields(text)?;
-    let field = |key: &str| fields.get(key).map(String::as_str);
-    let whole = |key: &str, default: Option<u64>| match field(key) {
-        Some(text) => {
-            text.parse().map_err(|_| format!("has `{key} = {text}`, which is no whole number"))
-        }
-        None => default.ok_or_else(|| format!("has no `{key}`")),
-    };
-    let number = |key: &str| match field(key) {
-        Some(text) => match text.parse::<f64>() {
-            Ok(number) => Ok(Some(number)),
-            Err(_) => Err(format!("has `{key} = {text}`, which is no number")),
-        },
-        None => Ok(None),
-    };
+    let fields = Fields::of(text)?;
+    if let Some(factor) = fields.get("reflectance scale factor") {
+        return Err(format!(
+            "holds reflectances (`reflectance scale factor = {factor}`), not light; if its numbers \
+             are radiances, take that line out and say `scale`"
+        ));
+    }
     let mut notes = Vec::new();
-    let bands = whole("bands", None)?;
-    let listed = list(
-        field("wavelength").ok_or("has no `wavelength` list, so its bands cannot be placed")?,
-    )?;
-    if listed.len() as u64 != bands {
-        return Err(format!("has {bands} bands but {} wavelengths", listed.len()));
+    let bands = fields.whole("bands", None)?;
+    let listed = fields.list("wavelength", bands)?;
+    if listed.is_empty() {
+        return Err("has no `wavelength` list, so its bands cannot be placed".into());
     }
-    let to_nm = nanometres(field("wavelength units"), &listed, &mut notes)?;
-    let fwhm = field("fwhm").map_or(Ok(Vec::new()), list)?;
-    let divisor = number("reflectance scale factor")?.unwrap_or(1.0);
-    if !divisor.is_normal() {
-        return Err(format!("has a `reflectance scale factor` of {divisor}"));
+    let to_nm = nanometres(fields.get("wavelength units"), &listed, &mut notes)?;
+    let in_nm = |list: Vec<f64>| list.into_iter().map(|length| length * to_nm).collect();
+    let gains = fields.list("data gain values", bands)?;
+    let offsets = fields.list("data offset values", bands)?;
+    if !gains.is_empty() || !offsets.is_empty() {
+        notes.push("its gains and offsets were applied".into());
     }
-    for key in ["data gain values", "data offset values"] {
-        if fields.contains_key(key) {
-            notes.push(format!("`{key}` is not applied; use `scale`"));
-        }
+    let good: Vec<bool> = fields.list("bbl", bands)?.into_iter().map(|good| good != 0.0).collect();
+    let bad = good.iter().filter(|good| !**good).count();
+    if bad > 0 {
+        notes.push(format!("{bad} of its bands, marked bad by bbl, are left out"));
     }
     Ok(EnviHeader {
-        samples: whole("samples", None)?.try_into().map_err(|_| "is too wide")?,
-        lines: whole("lines", None)?.try_into().map_err(|_| "is too high")?,
-        offset: whole("header offset", Some(0))?,
-        stored: stored(whole("data type", None)?)?,
-        interleave: interleave(field("interleave").unwrap_or("bsq"))?,
-        big_endian: whole("byte order", Some(0))? == 1,
-        wavelengths: listed.iter().map(|wavelength| wavelength * to_nm).collect(),
-        fwhm: if fwhm.len() == listed.len() {
-            fwhm.iter().map(|width| width * to_nm).collect()
-        } else {
-            Vec::new()
-        },
-        divisor,
-        ignore: number("data ignore value")?,
+        samples: fields.whole("samples", None)?,
+        lines: fields.whole("lines", None)?,
+        bands,
+        offset: fields.whole("header offset", Some(0))?,
+        stored: stored(fields.whole("data type", None)?)?,
+        interleave: interleave(fields.get("interleave").unwrap_or("bsq"))?,
+        big_endian: fields.whole("byte order", Some(0u64))? == 1,
+        wavelengths: in_nm(listed),
+        fwhm: in_nm(fields.list("fwhm", bands)?),
+        gains,
+        offsets,
+        good,
+        ignore: fields.number("data ignore value")?,
         notes,
     })
 }
 
 /// Keys in lower case with single blanks, and their values.
-fn fields(text: &str) -> Result<BTreeMap<String, String>, String> {
-    let mut lines = text.lines();
-    if lines.next().map(str::trim) != Some("ENVI") {
-        return Err("is not an ENVI header: its first line is not ENVI".into());
-    }
-    let mut fields = BTreeMap::new();
-    while let Some(line) = lines.next() {
-        let line = without_comment(line);
-        let Some((key, value)) = line.split_once('=') else { continue };
-        let key = key.split_whitespace().collect::<Vec<_>>().join(" ").to_ascii_lowercase();
-        let mut value = value.trim().to_owned();
-        while value.starts_with('{') && !value.contains('}') {
-            let next = lines.next().ok_or_else(|| format!("has no closing brace after `{key}`"))?;
-            value.push(' ');
-            value.push_str(without_comment(next).trim());
-        }
-        fields.insert(key, value);
-    }
-    Ok(fields)
-}
+struct Fields(BTreeMap<String, String>);
 
-fn without_comment(line: &str) -> &str {
-    line.split(';').next().unwrap_or_default()
+impl Fields {
+    fn of(text: &str) -> Result<Fields, String> {
+        let mut lines = text.strip_prefix('\u{feff}').unwrap_or(text).lines();
+        if lines.next().map(str::trim) != Some("ENVI") {
+            return Err("is not an ENVI header: its first line is not ENVI".into());
+        }
+        let mut fields = BTreeMap::new();
+        let mut lines = lines.filter(|line| !line.trim_start().starts_with(';'));
+        while let Some(line) = lines.next() {
+            let Some((key, value)) = line.split_once('=') else { continue };
+            let key = key.split_whitespace().collect::<Vec<_>>().join(" ").to_ascii_lowercase();
+            let mut value = value.trim().to_owned();
+            if !value.starts_with('{') {
+                // Some writers put a comment behind a number; in braces `;` is text.
+                value = value.split(';').next().unwrap_or_default().trim_end().to_owned();
+            }
+            while value.starts_with('{') && !value.contains('}') {
+                let next = lines.next();
+                let next = next.ok_or_else(|| format!("has no closing brace after `{key}`"))?;
+                value.push(' ');
+                value.push_str(next.trim());
+            }
+            fields.insert(key, value);
+        }
+        Ok(Fields(fields))
+    }
+
+    fn get(&self, key: &str) -> Option<&str> {
+        self.0.get(key).map(String::as_str)
+    }
+
+    fn whole<T: FromStr>(&self, key: &str, default: Option<T>) -> Result<T, String> {
+        match self.get(key) {
+            Some(text) => {
+                let wrong = |_| format!("has `{key} = {text}`, which is no whole number it can be");
+                text.parse().map_err(wrong)
+            }
+            None => default.ok_or_else(|| format!("has no `{key}`")),
+        }
+    }
+
+    fn number(&self, key: &str) -> Result<Option<f64>, String> {
+        let wrong = |text: &str| format!("has `{key} = {text}`, which is no number");
+        self.get(key).map(|text| text.parse().map_err(|_| wrong(text))).transpose()
+    }
+
+    /// The numbers of a key, one a band; none where there is no such key.
+    fn list(&self, key: &str, bands: usize) -> Result<Vec<f64>, String> {
+        let numbers = self.get(key).map_or(Ok(Vec::new()), list)?;
+        if numbers.is_empty() || numbers.len() == bands {
+            return Ok(numbers);
+        }
+        Err(format!("has {bands} bands but {} numbers in `{key}`", numbers.len()))
+    }
 }
 
 /// The numbers of a list in braces.
@@ -159,9 +203,11 @@ fn nanometres(
     wavelengths: &[f64],
     notes: &mut Vec<String>,
 ) -> Result<f64, String> {
-    match unit.map(str::to_ascii_lowercase).as_deref() {
+    match unit.map(str::to_lowercase).as_deref() {
         Some("nanometers" | "nanometer" | "nanometres" | "nm") => Ok(1.0),
-        Some("micrometers" | "micrometer" | "micrometres" | "microns" | "um") => Ok(1000.0),
+        Some("micrometers" | "micrometer" | "micrometres" | "microns" | "um" | "µm" | "μm") => {
+            Ok(1000.0)
+        }
         None | Some("unknown") => {
             let micrometres = wavelengths.iter().all(|wavelength| *wavelength < 100.0);
             let unit = if micrometres { "micrometres" } else { "nanometres" };
@@ -176,12 +222,16 @@ fn nanometres(
 
 fn stored(code: u64) -> Result<Stored, String> {
     match code {
+        1 => Ok(Stored::U8),
         2 => Ok(Stored::I16),
+        3 => Ok(Stored::I32),
         4 => Ok(Stored::F32),
         5 => Ok(Stored::F64),
         12 => Ok(Stored::U16),
+        13 => Ok(Stored::U32),
         _ => Err(format!(
-            "has `data type = {code}`; read are 2 (i16), 4 (f32), 5 (f64) and 12 (u16)"
+            "has `data type = {code}`; read are 1 (u8), 2 (i16), 3 (i32), 4 (f32), 5 (f64), \
+             12 (u16) and 13 (u32)"
         )),
     }
 }
@@ -216,7 +266,7 @@ mod tests {
             ("data type = 12", "data type = 6", "4 (f32)"),
             ("BIL", "bi", "bsq, bil and bip"),
             ("Micrometers", "GHz", "nanometers and micrometers"),
-            ("bands = 2", "bands = 3", "3 bands but 2 wavelengths"),
+            ("bands = 2", "bands = 3", "3 bands but 2 numbers in `wavelength`"),
             ("bands = 2\n", "", "has no `bands`"),
             ("0.7", "0,7x", "`7x`"),
             ("ENVI", "ENVY", "not an ENVI header"),

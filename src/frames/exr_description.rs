@@ -7,7 +7,7 @@ use exr::meta::header::Header;
 use serde::Serialize;
 
 use crate::frames::exr_file::text;
-use crate::frames::shown::shown;
+use crate::text::shown;
 
 /// Longer attribute texts are cut, characters.
 const LONGEST_TEXT: usize = 200;

@@ -20,7 +20,7 @@ use rayon::iter::{ParallelBridge, ParallelIterator};
 use crate::error::{Error, Result};
 use crate::frames::exr_chunks::{Chunks, decompressed, guarded};
 use crate::frames::exr_rows::{Place, Rows};
-use crate::frames::footage::{DENSEST, believable};
+use crate::frames::picture::{DENSEST, believable};
 
 /// [`DENSEST`] for DWA, which packs 22 000 bytes of such a frame into one.
 const DENSEST_DWA: u64 = 65_536;

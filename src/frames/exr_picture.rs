@@ -12,15 +12,30 @@ use crate::colour::{Primaries, rgb_to_xyz};
 use crate::error::{Error, Result};
 use crate::frames::census::{Census, Mending, verdict};
 use crate::frames::channels::{Choice, Offer, choose, listed};
+use crate::frames::exr_description::{self, ExrDescription};
 use crate::frames::exr_file::{ExrFile, Part, text};
 use crate::frames::exr_rows::{Place, Stored};
 use crate::frames::exr_sampling::{interpolate, to_rgb};
-use crate::frames::footage::{Picture, examined};
-use crate::frames::shown::shown;
-use crate::frames::{Header, Kind, ReadOptions};
+use crate::frames::options::ReadOptions;
+use crate::frames::picture::{Footage, Format, Header, Kind, canvas, examined};
+use crate::frames::plate::Plate;
 use crate::light::{Frame, Planes, Samples};
+use crate::text::shown;
 use crate::units::Nits;
 use crate::vision::Projection;
+
+pub(super) static FORMAT: Format = Format {
+    name: "OpenEXR",
+    extensions: &["exr"],
+    recognise: |_, start| start.starts_with(&[0x76, 0x2f, 0x31, 0x01]),
+    open: |path, options| Ok(Box::new(ExrPicture::open(path, options)?)),
+    outline: |path| {
+        let file = ExrFile::open(path).ok()?;
+        let header = &file.meta.headers[0];
+        let size = header.shared_attributes.display_window.size;
+        Some((size.width(), size.height(), exr_description::described(header)))
+    },
+};
 
 /// An OpenEXR file with its picture chosen.
 pub(super) struct ExrPicture {
@@ -54,9 +69,6 @@ impl ExrPicture {
             ));
         }
         let header = Header {
-            width,
-            height,
-            kind: choice.kind.clone(),
             white: attributes
                 .white_luminance
                 .filter(|white| *white > 0.0)
@@ -66,6 +78,7 @@ impl ExrPicture {
                 .map(|(frames, seconds)| f64::from(frames) / f64::from(seconds))
                 .filter(|rate| rate.is_finite() && *rate > 0.0),
             notes,
+            ..Header::new(width, height, choice.kind.clone())
         };
         Ok(ExrPicture { file, part, choice, prefix, header, options: options.clone() })
     }
@@ -203,12 +216,26 @@ impl ExrPicture {
     }
 }
 
-impl Picture for ExrPicture {
+impl Footage for ExrPicture {
     fn header(&self) -> &Header {
         &self.header
     }
 
-    fn decode(&self, projection: Option<&Projection>, recycled: Option<Planes>) -> Result<Frame> {
+    fn plate(&self, _: usize) -> Result<Option<Plate>> {
+        let picture = ExrPicture::open(&self.file.path, &self.options)?;
+        Ok(Some(Plate { picture, gain: 1.0 }))
+    }
+
+    fn description(&self) -> Option<ExrDescription> {
+        Some(exr_description::described(&self.file.meta.headers[self.part]))
+    }
+
+    fn read(
+        &self,
+        _: usize,
+        projection: Option<&Projection>,
+        recycled: Option<Planes>,
+    ) -> Result<Frame> {
         let part = self.part()?;
         let half = self.places(&part).iter().all(|place| place.kind == SampleType::F16);
         match (&self.choice.kind, projection) {
@@ -240,34 +267,11 @@ pub fn read_exr(path: &Path, names: &[&str], max_pixels: u64) -> Result<(Planes,
     });
     let kind = Kind::Rgb(Primaries::REC709);
     let (width, height) = file.part(0, max_pixels).map(|part| (part.width(), part.height()))?;
-    let header = Header {
-        width,
-        height,
-        kind: kind.clone(),
-        white: None,
-        frames_per_second: None,
-        notes: Vec::new(),
-    };
+    let header = Header::new(width, height, kind.clone());
     let choice = Choice { kind, channels, scale: Vec::new(), chroma: false, notes: Vec::new() };
     let options = ReadOptions { max_pixels, ..ReadOptions::default() };
     let picture = ExrPicture { file, part: 0, choice, prefix: String::new(), header, options };
     Ok((picture.as_stored::<f32>(None)?.planes, json))
-}
-
-/// Planes to decode into: recycled ones where they fit, dark where nothing will be written.
-pub(super) fn canvas<T: Stored>(recycled: Option<Planes>, length: usize, covered: bool) -> Vec<T> {
-    let fitting = recycled
-        .and_then(|planes| T::from_samples(planes.samples))
-        .filter(|samples| samples.len() == length);
-    match fitting {
-        Some(mut samples) => {
-            if !covered {
-                samples.fill(T::default());
-            }
-            samples
-        }
-        None => vec![T::default(); length],
-    }
 }
 
 /// The part and the channels of the wanted layer. The problem, if there is one, is a message.

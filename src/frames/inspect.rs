@@ -5,14 +5,9 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::error::{Error, Result};
-use crate::frames::displayed::DisplayedPicture;
-use crate::frames::envi::EnviPicture;
-use crate::frames::exr_description::{ExrDescription, described};
-use crate::frames::exr_file::ExrFile;
-use crate::frames::exr_picture::ExrPicture;
-use crate::frames::footage::{Format, Picture, format};
-use crate::frames::radiance::RadiancePicture;
-use crate::frames::{Header, Kind, Negative, NonFinite, ReadOptions};
+use crate::frames::exr_description::ExrDescription;
+use crate::frames::options::{Negative, NonFinite, ReadOptions};
+use crate::frames::picture::{Footage, Format, Header, Kind};
 use crate::light::{Planes, Tally};
 use crate::vision::Projection;
 
@@ -51,45 +46,27 @@ pub struct Inspection {
 /// is unknown.
 pub type LuminanceWeights<'a> = &'a dyn Fn(&Header) -> Option<Vec<f64>>;
 
-/// Describes a file. Samples that are no numbers are counted, whatever the options say of them.
-pub fn inspect(
+/// Describes a file of a format.
+pub(super) fn inspect(
+    format: &Format,
     path: &Path,
     options: &ReadOptions,
     weights: LuminanceWeights,
 ) -> Result<Inspection> {
     let options =
         ReadOptions { non_finite: NonFinite::Clamp, negative: Negative::Keep, ..options.clone() };
-    let (name, picture, exr): (_, Box<dyn Picture>, _) = match format(path)? {
-        Format::OpenExr => match ExrPicture::open(path, &options) {
-            Ok(picture) => {
-                let description = described(&picture.file.meta.headers[picture.part]);
-                ("OpenEXR", Box::new(picture), Some(description))
-            }
-            Err(error) => return unrecognised(path, error),
-        },
-        Format::Radiance => ("Radiance", Box::new(RadiancePicture::open(path, &options)?), None),
-        Format::Displayed => {
-            ("PNG or JPEG", Box::new(DisplayedPicture::open(path, &options)?), None)
-        }
-        Format::Envi => ("ENVI", Box::new(EnviPicture::open(path, &options)?), None),
+    let picture = match (format.open)(path, &options) {
+        Ok(picture) => picture,
+        Err(error) => return unrecognised(format, path, error),
     };
     let header = picture.header();
-    let (ranges, luminance, tally) = match &header.kind {
+    let (ranges, luminance_cd_m2, tally) = match &header.kind {
         Kind::Rgb(_) => rgb_ranges(&*picture, weights(header))?,
         Kind::Spectral(bands) => band_ranges(&*picture, bands.len(), weights(header))?,
     };
     let Tally { nan, infinite, negative, clipped } = tally;
-    let bare = bare(path, name, header);
-    Ok(Inspection {
-        ranges,
-        luminance_cd_m2: luminance,
-        nan,
-        infinite,
-        negative,
-        clipped,
-        exr,
-        ..bare
-    })
+    let (exr, bare) = (picture.description(), bare(path, format.name, header));
+    Ok(Inspection { ranges, luminance_cd_m2, nan, infinite, negative, clipped, exr, ..bare })
 }
 
 /// A description that only knows the size.
@@ -135,26 +112,21 @@ fn bare(path: &Path, format: &str, header: &Header) -> Inspection {
     }
 }
 
-/// An OpenEXR file whose channels tell no picture is still described; one that cannot be read is
-/// not.
-fn unrecognised(path: &Path, error: Error) -> Result<Inspection> {
-    let (Error::File { problem, .. }, Ok(file)) = (&error, ExrFile::open(path)) else {
+/// A file whose channels tell no picture is still described; one that cannot be read is not.
+fn unrecognised(format: &Format, path: &Path, error: Error) -> Result<Inspection> {
+    let (Error::File { problem, .. }, Some((width, height, exr))) =
+        (&error, (format.outline)(path))
+    else {
         return Err(error);
     };
-    let exr = &file.meta.headers[0];
-    let size = exr.shared_attributes.display_window.size;
     let notes = vec![problem.clone()];
-    Ok(Inspection {
-        exr: Some(described(exr)),
-        notes,
-        ..blank(path, "OpenEXR", size.width(), size.height())
-    })
+    Ok(Inspection { exr: Some(exr), notes, ..blank(path, format.name, width, height) })
 }
 
 type Ranges = (Vec<[f64; 2]>, Option<[f64; 2]>, Tally);
 
-fn rgb_ranges(picture: &dyn Picture, weights: Option<Vec<f64>>) -> Result<Ranges> {
-    let frame = picture.decode(None, None)?;
+fn rgb_ranges(picture: &dyn Footage, weights: Option<Vec<f64>>) -> Result<Ranges> {
+    let frame = picture.read(0, None, None)?;
     let planes = &frame.planes;
     let ranges = (0..3).map(|i| range(planes, |x, y| planes.at(x, y, i))).collect();
     let luminance = weights.map(|weights| {
@@ -166,14 +138,14 @@ fn rgb_ranges(picture: &dyn Picture, weights: Option<Vec<f64>>) -> Result<Ranges
 }
 
 /// Reads a few bands at a time, so that a frame is never held whole.
-fn band_ranges(picture: &dyn Picture, bands: usize, weights: Option<Vec<f64>>) -> Result<Ranges> {
+fn band_ranges(picture: &dyn Footage, bands: usize, weights: Option<Vec<f64>>) -> Result<Ranges> {
     let unit = |band: usize| (0..bands).map(move |i| if i == band { 1.0 } else { 0.0 });
     let mut ranges = Vec::new();
     let mut tally = Tally::default();
     for first in (0..bands).step_by(AT_ONCE) {
         let chosen = first..bands.min(first + AT_ONCE);
         let (rows, weights) = (chosen.len(), chosen.flat_map(unit).collect());
-        let read = picture.decode(Some(&Projection::new(bands, rows, weights)), None)?;
+        let read = picture.read(0, Some(&Projection::new(bands, rows, weights)), None)?;
         ranges.extend((0..rows).map(|i| range(&read.planes, |x, y| read.planes.at(x, y, i))));
         tally = read.tally;
     }
@@ -181,7 +153,7 @@ fn band_ranges(picture: &dyn Picture, bands: usize, weights: Option<Vec<f64>>) -
         None => None,
         Some(weights) => {
             let weights = weights.iter().map(|weight| *weight as f32).collect();
-            let planes = picture.decode(Some(&Projection::new(bands, 1, weights)), None)?.planes;
+            let planes = picture.read(0, Some(&Projection::new(bands, 1, weights)), None)?.planes;
             Some(range(&planes, |x, y| planes.at(x, y, 0)))
         }
     };

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
-use crate::frames::pattern::Pattern;
+use crate::frames::pattern::{Pattern, absent};
 use crate::frames::range;
 
 /// What a number without a file is.
@@ -27,6 +27,8 @@ pub struct Sequence {
     pub shows: Vec<usize>,
     /// The numbers that had no file and show the one before.
     pub held: Vec<u32>,
+    /// One file that is stared at. The only file of a pattern is a frame of its own number.
+    pub is_still: bool,
 }
 
 impl Sequence {
@@ -40,7 +42,7 @@ impl Sequence {
     ) -> Result<Sequence> {
         let found = match frames {
             [] => return Err(Error::config("[input]", "frames", "names no file")),
-            [one] => numbered(one, folder)?,
+            [one] => numbered(one, folder, range)?,
             list => {
                 let paths = list.iter().map(|name| existing(folder.join(name)));
                 (1..).zip(paths).map(|(number, path)| Ok((number, path?))).collect::<Result<_>>()?
@@ -51,18 +53,34 @@ impl Sequence {
         } else {
             range::parse(range).map_err(|problem| Error::config("[input]", "range", problem))?
         };
+        let is_still = frames.len() == 1 && pattern(&frames[0], folder)?.is_none();
         let name = folder.join(&frames[0]);
-        laid_out(&name, &found, wanted, missing)
+        Ok(Sequence { is_still, ..laid_out(&name, &found, wanted, missing)? })
     }
 }
 
 /// The numbered files of a pattern, or the one file of that name.
-fn numbered(name: &str, folder: &Path) -> Result<Vec<(u32, PathBuf)>> {
-    let path = folder.join(name);
-    match Pattern::parse(&path).map_err(|problem| Error::config("[input]", "frames", problem))? {
-        Some(pattern) if !path.is_file() => pattern.files(),
-        _ => Ok(vec![(1, existing(path)?)]),
+fn numbered(name: &str, folder: &Path, range: &str) -> Result<Vec<(u32, PathBuf)>> {
+    let Some(pattern) = pattern(name, folder)? else {
+        return Ok(vec![(1, existing(folder.join(name))?)]);
+    };
+    if let (Some(negative), true) = (pattern.negative(), range.is_empty()) {
+        let problem = format!(
+            "has frames with negative numbers, such as {negative}, which cannot be run; say which \
+             of the others in `range`"
+        );
+        return Err(Error::file(folder.join(name), problem));
     }
+    pattern.files()
+}
+
+/// The pattern of a name that is no file's.
+fn pattern(name: &str, folder: &Path) -> Result<Option<Pattern>> {
+    let path = folder.join(name);
+    if path.is_file() {
+        return Ok(None);
+    }
+    Pattern::parse(&path).map_err(|problem| Error::config("[input]", "frames", problem))
 }
 
 fn existing(path: PathBuf) -> Result<PathBuf> {
@@ -75,26 +93,6 @@ fn existing(path: PathBuf) -> Result<PathBuf> {
         absent(&path)
     };
     Err(Error::file(path, problem))
-}
-
-/// What stands instead of a file that is not there.
-pub(super) fn absent(path: &Path) -> String {
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let Ok(entries) = std::fs::read_dir(folder) else {
-        return format!("not found: there is no folder {}", folder.display());
-    };
-    let alike = |name: &String| Path::new(name).extension() == path.extension();
-    let names = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
-    let mut names: Vec<String> = names.filter(alike).collect();
-    names.sort();
-    let more =
-        if names.len() > 4 { format!(" and {} more", names.len() - 4) } else { String::new() };
-    names.truncate(4);
-    let found = if names.is_empty() { "no file of that kind".into() } else { names.join(", ") };
-    format!("not found; in {} there is {found}{more}", folder.display())
 }
 
 /// Numbers from the first to the last in the largest step that meets them all.
@@ -154,7 +152,7 @@ fn laid_out(
         }
         shows.push(files.len() - 1);
     }
-    Ok(Sequence { numbers: wanted, files, shows, held })
+    Ok(Sequence { numbers: wanted, files, shows, held, is_still: false })
 }
 
 #[cfg(test)]

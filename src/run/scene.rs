@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use crate::config::Config;
 use crate::error::Result;
 use crate::eye::Eye;
-use crate::frames::{self, About, Footage, Kind, builtin};
+use crate::frames::{self, About, Footage, Kind, View, builtin};
 use crate::run::eye::retina_of_file;
 use crate::run::reader::Sequence;
 use crate::run::schedule::{self, Step};
@@ -32,10 +32,11 @@ impl Scene {
         let Some(sequence) = config.sequence()? else {
             let footage = Box::new(config.scene());
             let steps = schedule::of_still(config)?;
-            return Scene::of(config, footage, steps, Default::default(), builtin::FIELD_DEG);
+            let view = View { horizontal_fov_deg: builtin::FIELD_DEG, ..View::default() };
+            return Scene::of(config, footage, steps, Default::default(), view);
         };
         let footage = frames::open(&sequence.files, &config.read_options()?)?;
-        let steps = if sequence.numbers.len() == 1 {
+        let steps = if sequence.is_still {
             schedule::of_still(config)?
         } else {
             schedule::of_sequence(
@@ -45,8 +46,8 @@ impl Scene {
                 footage.header().frames_per_second,
             )?
         };
-        let across = config.settings.input.horizontal_fov_deg.unwrap_or(builtin::FIELD_DEG);
-        Scene::of(config, footage, steps, (sequence.files, sequence.held), across)
+        let view = view_of(config, footage.header().view)?;
+        Scene::of(config, footage, steps, (sequence.files, sequence.held), view)
     }
 
     fn of(
@@ -54,10 +55,10 @@ impl Scene {
         footage: Box<dyn Footage>,
         steps: Vec<Step>,
         (files, held): (Vec<PathBuf>, Vec<u32>),
-        across: f64,
+        view: View,
     ) -> Result<Scene> {
         let header = footage.header();
-        let pixels_per_degree = header.width as f64 / across;
+        let pixels_per_degree = view.pixels_per_degree(header.width);
         let mut white = None;
         let vision = match &header.kind {
             Kind::Spectral(bands) => Vision::of_bands(config.observer(), bands),
@@ -119,11 +120,32 @@ impl Scene {
     }
 }
 
+/// What the picture shows of the world: the configuration's word, or else the file's.
+fn view_of(config: &Config, of_file: Option<View>) -> Result<View> {
+    let input = &config.settings.input;
+    let Some(horizontal_fov_deg) =
+        input.horizontal_fov_deg.or(of_file.map(|view| view.horizontal_fov_deg))
+    else {
+        let problem = "is required with input.frames that have no VIEW: how many degrees the \
+                       picture is across";
+        return Err(config.wrong("input.horizontal_fov_deg", problem));
+    };
+    let of_file = of_file.unwrap_or_default().projection;
+    let view = View { horizontal_fov_deg, projection: input.projection.unwrap_or(of_file) };
+    view.possible().ok_or_else(|| {
+        let problem = format!(
+            "found {horizontal_fov_deg}; a perspective picture is less than 180 degrees across"
+        );
+        config.wrong("input.horizontal_fov_deg", problem)
+    })
+}
+
 /// Luminance of (1, 1, 1): the configuration's, or else the file's. Never guessed.
 fn white_of(config: &Config, of_file: Option<Nits>) -> Result<Nits> {
     config.settings.input.white_cd_m2.map(Nits).or(of_file).ok_or_else(|| {
-        let problem = "is required for RGB frames that do not say their whiteLuminance: the luminance of (1, 1, 1) in \
-                       cd/m2. 100 suits a picture made for a display; for Radiance .hdr files in their usual unit it is 179";
+        let problem = "is required for RGB frames that do not say it: the luminance of (1, 1, 1) \
+                       in cd/m2. Usual are 100 for a picture made for a display, 72983 for \
+                       Mitsuba's hdrfilm, 179 for Radiance";
         config.wrong("input.white_cd_m2", problem)
     })
 }

@@ -52,14 +52,7 @@ impl Sunset {
             .collect();
         let (sun, spectra) =
             (sun::luminance(&bands, &disc), light::spectra(&bands, elevation_deg, turbidity));
-        let header = Header {
-            width,
-            height: (width * 9 / 16).max(1),
-            kind: Kind::Spectral(bands),
-            white: None,
-            frames_per_second: None,
-            notes: Vec::new(),
-        };
+        let header = Header::new(width, (width * 9 / 16).max(1), Kind::Spectral(bands));
         Sunset { elevation_deg, header, waves: Waves::new(), sun, spectra }
     }
 

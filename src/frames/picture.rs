@@ -1,0 +1,208 @@
+//! A picture file: what its header says, how it is opened and decoded, and the checks that every
+//! format shares.
+
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::colour::Primaries;
+use crate::error::{Error, Result};
+use crate::frames::census::{Census, Mending, Sample, verdict};
+use crate::frames::exr_description::ExrDescription;
+use crate::frames::options::ReadOptions;
+use crate::frames::plate::Plate;
+use crate::light::{Frame, Planes, Samples};
+use crate::spectrum::Bands;
+use crate::units::Nits;
+use crate::vision::Projection;
+
+/// What the samples of a frame mean.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Kind {
+    /// Linear RGB in these primaries.
+    Rgb(Primaries),
+    /// Spectral radiance, W m^-2 sr^-1 nm^-1 after the configured scale, in these bands.
+    Spectral(Bands),
+}
+
+/// What is known of a frame before its pixels are read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Header {
+    pub width: usize,
+    pub height: usize,
+    pub kind: Kind,
+    /// Luminance of (1, 1, 1), where the file tells (`whiteLuminance`).
+    pub white: Option<Nits>,
+    /// Where the file tells (`framesPerSecond`).
+    pub frames_per_second: Option<f64>,
+    /// Where the file tells (Radiance's VIEW).
+    pub view: Option<View>,
+    /// What the reader passed over or assumed, one sentence each.
+    pub notes: Vec<String>,
+}
+
+impl Header {
+    /// A header that tells only size and kind.
+    pub fn new(width: usize, height: usize, kind: Kind) -> Header {
+        let notes = Vec::new();
+        Header { width, height, kind, white: None, frames_per_second: None, view: None, notes }
+    }
+}
+
+/// How columns of a picture stand for directions.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ViewProjection {
+    /// Every pixel is as many degrees wide.
+    #[default]
+    Angular,
+    /// A flat picture seen from in front of its middle; narrower than 180 degrees.
+    Perspective,
+}
+
+/// The part of the world that a picture shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct View {
+    pub horizontal_fov_deg: f64,
+    pub projection: ViewProjection,
+}
+
+impl View {
+    /// The view, if there is such a one.
+    pub fn possible(self) -> Option<View> {
+        let widest = match self.projection {
+            ViewProjection::Angular => self.horizontal_fov_deg <= 360.0,
+            ViewProjection::Perspective => self.horizontal_fov_deg < 180.0,
+        };
+        (self.horizontal_fov_deg > 0.0 && widest).then_some(self)
+    }
+
+    /// Pixels per degree in the middle of a picture `width` pixels wide.
+    pub fn pixels_per_degree(self, width: usize) -> f64 {
+        match self.projection {
+            ViewProjection::Angular => width as f64 / self.horizontal_fov_deg,
+            ViewProjection::Perspective => {
+                let half_width = (self.horizontal_fov_deg / 2.0).to_radians().tan();
+                width as f64 / 2.0 / half_width * 1f64.to_radians()
+            }
+        }
+    }
+}
+
+/// Frames that can be read in any order, by any thread: a picture file, a film, a list of files, the
+/// built-in scene.
+pub trait Footage: Send + Sync {
+    /// Size and meaning, the same for every frame.
+    fn header(&self) -> &Header;
+    /// How many different frames there are; never 0.
+    fn len(&self) -> usize {
+        1
+    }
+    /// Never true: footage without a frame is refused when it is opened.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+    /// The starts of all frames and the end of the last, s from 0, where a film tells them.
+    fn times(&self) -> Option<&[f64]> {
+        None
+    }
+    /// Decodes frame `index`. Spectral frames are projected block by block, and keep every band
+    /// without a projection; RGB frames keep their samples. `recycled` may hold the planes of an
+    /// earlier frame to be written over.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::File`] for a frame that is damaged, cut short or unlike the first one.
+    fn read(
+        &self,
+        index: usize,
+        projection: Option<&Projection>,
+        recycled: Option<Planes>,
+    ) -> Result<Frame>;
+    /// What else frame `index` carries, to be written with its percept; `None` where that is
+    /// nothing.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::File`] for a frame that can no longer be read.
+    fn plate(&self, index: usize) -> Result<Option<Plate>> {
+        let _ = index;
+        Ok(None)
+    }
+    /// What an OpenEXR header tells beyond the rest.
+    fn description(&self) -> Option<ExrDescription> {
+        None
+    }
+}
+
+/// A file format: one static of each reader, listed in `FORMATS`.
+pub(super) struct Format {
+    pub name: &'static str,
+    /// In lower case. Two formats may share one; [`Format::recognise`] then decides.
+    pub extensions: &'static [&'static str],
+    /// Whether a file is of this format, by its first 16 bytes or by what lies beside it.
+    pub recognise: fn(&Path, &[u8]) -> bool,
+    pub open: fn(&Path, &ReadOptions) -> Result<Box<dyn Footage>>,
+    /// Width, height and header of a file whose channels tell no picture.
+    pub outline: fn(&Path) -> Option<(usize, usize, ExrDescription)>,
+}
+
+/// The densest compression that is believed, bytes of pixels for each byte of the file. Measured on
+/// black frames of 3840 x 2160: PXR24 packs 1250 bytes of floats into one, ZIP 940, PIZ 400.
+pub(super) const DENSEST: u64 = 4096;
+
+/// Refuses declared sizes that are beyond `max_pixels`, or that no compression fits into the file.
+pub(super) fn believable(
+    path: &Path,
+    (width, height): (usize, usize),
+    pixel_bytes: usize,
+    densest: u64,
+    max_pixels: u64,
+) -> Result<()> {
+    let pixels = (width as u64).checked_mul(height as u64);
+    let Some(pixels) = pixels.filter(|pixels| (1..=max_pixels).contains(pixels)) else {
+        let problem =
+            format!("declares {width} x {height} pixels; 1 to max_pixels = {max_pixels} are read");
+        return Err(Error::file(path, problem));
+    };
+    let bytes = std::fs::metadata(path).map_err(Error::io(path, "read"))?.len();
+    let declared = pixels.saturating_mul(pixel_bytes as u64);
+    if declared / densest > bytes {
+        let problem = format!("declares {declared} bytes of pixels in a file of {bytes} bytes");
+        return Err(Error::file(path, problem));
+    }
+    Ok(())
+}
+
+/// Counts and mends the three planes of a picture that was decoded whole.
+pub(super) fn examined(
+    path: &Path,
+    mut planes: Vec<f32>,
+    (width, height): (usize, usize),
+    options: &ReadOptions,
+) -> Result<Frame> {
+    let mending = Mending::first(options);
+    let mut census = Census::default();
+    for (i, row) in planes.chunks_exact_mut(width).enumerate() {
+        census.admit(row, i % 3, (0, i / 3), mending);
+    }
+    let channel = |plane: usize| ["R", "G", "B"][plane].to_owned();
+    let again = verdict(&census, options.non_finite, channel);
+    if again.map_err(|problem| Error::file(path, problem))? {
+        mending.second(&census).mend(&mut planes);
+    }
+    let planes = Planes { width, height, count: 3, samples: Samples::Float(planes) };
+    Ok(Frame { planes, tally: census.tally })
+}
+
+/// Planes to decode into: recycled ones where they fit, dark where nothing will be written.
+pub(super) fn canvas<T: Sample>(recycled: Option<Planes>, length: usize, covered: bool) -> Vec<T> {
+    let fitting = recycled
+        .and_then(|planes| T::from_samples(planes.samples))
+        .filter(|samples| samples.len() == length);
+    let Some(mut samples) = fitting else { return vec![T::default(); length] };
+    if !covered {
+        samples.fill(T::default());
+    }
+    samples
+}
