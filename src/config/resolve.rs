@@ -112,7 +112,6 @@ impl Config {
             },
             smoothing: Seconds(d.smoothing_s),
             highlights: d.highlights,
-            ..Display::default()
         }
     }
 
