@@ -89,6 +89,36 @@ def openexr():
     OpenEXR.File(header, names).write(str(path))
     check(path, kind="spectral", centres_nm=[400, 550, 1000], ranges=[[400, 400], [550, 550], [1000, 1000]])
 
+    xyz = {name: RANDOM.uniform(0, 1, (7, 9)).astype(np.float32) for name in "XYZ"}
+    path = FOLDER / "openexr_xyz.exr"
+    header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    OpenEXR.File(header, dict(xyz)).write(str(path))
+    check(path, kind="rgb", primaries=[[1, 0], [0, 1], [0, 0], [1 / 3, 1 / 3]], ranges=ranges(np.stack([*xyz.values()])))
+
+    # Luminance and chroma of one colour: RY = .25, BY = -.5, each for every second pixel on either axis.
+    luminance = RANDOM.uniform(1, 2, (34, 18)).astype(np.float32)
+    red, blue = 1.25 * luminance, 0.5 * luminance
+    green = (luminance - 0.2126390 * red - 0.0721923 * blue) / 0.7151687
+    for code in ("NO", "ZIPS", "ZIP", "PIZ", "RLE"):
+        chroma = {"RY": 0.25, "BY": -0.5}
+        channels = {k: OpenEXR.Channel(np.full((34, 18), v, np.float32), 2, 2) for k, v in chroma.items()}
+        channels["Y"] = OpenEXR.Channel(luminance)
+        header = {"compression": getattr(OpenEXR, f"{code}_COMPRESSION"), "type": OpenEXR.scanlineimage}
+        path = FOLDER / f"openexr_chroma_{code.lower()}.exr"
+        OpenEXR.File(header, channels).write(str(path))
+        check(path, kind="rgb", ranges=ranges(np.stack([red, green, blue])))
+
+    # Tiles, and last blocks, that DWA cannot shrink are stored as they are.
+    for code, kind in (("DWAA", OpenEXR.scanlineimage), ("DWAB", OpenEXR.tiledimage)):
+        noise = RANDOM.uniform(0, 1, (33, 5, 3)).astype(np.float16)
+        header = {"compression": getattr(OpenEXR, f"{code}_COMPRESSION"), "type": kind, "tiles": OpenEXR.TileDescription()}
+        if kind == OpenEXR.scanlineimage:
+            del header["tiles"]
+        path = FOLDER / f"openexr_{code.lower()}_small.exr"
+        OpenEXR.File(header, {"RGB": noise}).write(str(path))
+        with OpenEXR.File(str(path)) as read:
+            check(path, kind="rgb", ranges=ranges(read.channels()["RGB"].pixels.transpose(2, 0, 1)))
+
     parts = [
         OpenEXR.Part({"name": "first", "type": OpenEXR.scanlineimage}, {"Z": np.ones((4, 4), np.float32)}),
         OpenEXR.Part({"name": "beauty", "type": OpenEXR.scanlineimage}, {"RGB": tiled[:4, :4].copy()}),

@@ -1,6 +1,6 @@
 """Frames that carry more than colours through `sungaze run`, compared by OpenEXR's own reader: plates.py SUNGAZE FOLDER.
 
-A plate as Nuke writes it, a multilayer file as Blender does, AOVs as Mitsuba does. All but the picture's R, G, B must
+A plate as Nuke writes it, a multilayer file as Blender does, AOVs as Mitsuba does, PIZ of every type of sample. All but the picture's R, G, B must
 come back equal, and these too, since nothing is bleached.
 """
 
@@ -39,8 +39,7 @@ def nuke():
     attributes = {
         "dataWindow": window(-6, -8, w - 7, h - 9),
         "displayWindow": window(0, 0, 127, 71),
-        "timeCode": OpenEXR.TimeCode(1, 2, 3, 4, 0, 0, 0, 0, 0, 0, 0),
-        "framesPerSecond": OpenEXR.Rational(24, 1),
+        "timeCode": OpenEXR.TimeCode(1, 2, 3, 4, *[0] * 6, *range(8)),
         "nuke/node_hash": "1234abcd",
         "nuke/version": "15.1v3",
         "colorspace": "ACES - ACEScg",
@@ -97,7 +96,18 @@ def mitsuba():
     return OpenEXR.File(header, channels)
 
 
+def piz():
+    h, w = 75, 131
+    channels = {name: half(h, w) for name in "RGB"}
+    channels |= {f"smooth.{name}": np.linspace(0, 9, h * w, dtype=np.float32).reshape(h, w) for name in "RGB"}
+    channels |= {"noise": single(h, w), "id": RANDOM.integers(0, 2**32, (h, w), dtype=np.uint32)}
+    channels |= {"flat": np.zeros((h, w), np.float16)}
+    return OpenEXR.File({"compression": OpenEXR.PIZ_COMPRESSION, "type": OpenEXR.scanlineimage}, channels)
+
+
 def equal(a, b):
+    if b is None:
+        return False
     if isinstance(a, (tuple, list)):
         return len(a) == len(b) and all(equal(x, y) for x, y in zip(a, b))
     if isinstance(a, np.ndarray):
@@ -126,7 +136,7 @@ def compare(name, source, seen):
 
 def main():
     layers = {"blender": "ViewLayer.Combined"}
-    for make in (nuke, blender, mitsuba):
+    for make in (nuke, blender, mitsuba, piz):
         name = make.__name__
         source, out = FOLDER / f"{name}.exr", FOLDER / f"{name}_out"
         make().write(str(source))
