@@ -66,6 +66,7 @@ impl Meaning {
             ));
         }
         notes.extend(self.notes.iter().cloned());
+        notes.extend(self.transfer.doubly_scaled(options.own_white));
         let white = self.transfer.white().or(options.peak_cd_m2.map(Nits));
         Header { white, notes, ..Header::new(width, height, Kind::Rgb(self.primaries)) }
     }

@@ -74,8 +74,17 @@ pub(super) fn open(
     if paths.len() == 1 {
         return Ok(opened);
     }
+    alone(first, &*opened)?;
     let header = opened.header().clone();
     Ok(Box::new(Files { formats, paths: paths.to_vec(), options: options.clone(), header }))
+}
+
+/// Refuses a film in a list of pictures.
+fn alone(path: &Path, opened: &dyn Footage) -> Result<()> {
+    match opened.times() {
+        Some(_) => Err(Error::file(path, "is a film; a film stands alone in `frames`")),
+        None => Ok(()),
+    }
 }
 
 impl Footage for Files {
@@ -94,6 +103,7 @@ impl Footage for Files {
         recycled: Option<Planes>,
     ) -> Result<Frame> {
         let picture = picture(self.formats, &self.paths[index], &self.options)?;
+        alone(&self.paths[index], &*picture)?;
         self.agrees(index, picture.header())?;
         let gain = self.gain(index, picture.header())?;
         let frame = picture.read(0, projection, recycled)?;

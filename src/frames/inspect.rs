@@ -29,6 +29,9 @@ pub struct Inspection {
     pub bands_nm: Option<Vec<[f64; 3]>>,
     pub white_cd_m2: Option<f64>,
     pub frames_per_second: Option<f64>,
+    /// Of a film.
+    pub frames: Option<usize>,
+    pub duration_s: Option<f64>,
     /// Smallest and largest luminance, where it can be told.
     pub luminance_cd_m2: Option<[f64; 2]>,
     /// Smallest and largest finite value of each plane, in the order of the bands or R, G, B.
@@ -65,7 +68,11 @@ pub(super) fn inspect(
         Kind::Spectral(bands) => band_ranges(&*picture, bands.len(), weights(header))?,
     };
     let Tally { nan, infinite, negative, clipped } = tally;
-    let (exr, bare) = (picture.description(), bare(path, format.name, header));
+    let mut bare = bare(path, format.name, header);
+    if let Some([starts @ .., end]) = picture.times() {
+        (bare.frames, bare.duration_s) = (Some(starts.len()), Some(*end));
+    }
+    let exr = picture.description();
     Ok(Inspection { ranges, luminance_cd_m2, nan, infinite, negative, clipped, exr, ..bare })
 }
 
@@ -81,6 +88,8 @@ fn blank(path: &Path, format: &str, width: usize, height: usize) -> Inspection {
         bands_nm: None,
         white_cd_m2: None,
         frames_per_second: None,
+        frames: None,
+        duration_s: None,
         luminance_cd_m2: None,
         ranges: Vec::new(),
         nan: 0,

@@ -33,6 +33,13 @@ impl Display for Inspection {
         if let Some(white) = self.white_cd_m2 {
             line(f, "white", format!("{white} cd/m2"))?;
         }
+        if let (Some(frames), Some(duration)) = (self.frames, self.duration_s) {
+            line(
+                f,
+                "film",
+                format!("{frames} frames in {} s; values of the first", short(duration)),
+            )?;
+        }
         if let Some(rate) = self.frames_per_second {
             line(f, "frame rate", format!("{rate} /s"))?;
         }

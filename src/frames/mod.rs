@@ -3,7 +3,8 @@
 //!
 //! * Which files: `sequence`, with `pattern` and `range`.
 //! * A picture file and its format: `picture`, `options`; one format each: `exr_*`, `radiance`,
-//!   `displayed`, `envi*`, listed in `FORMATS`. Footage of many files: `footage`.
+//!   `*_picture`, `envi*`, `film*`, listed in `FORMATS`. Footage of many files: `footage`.
+//! * Codes made for a display to light: `displayed`, `transfer`.
 //! * What channels mean: `names`, `channels`. What is wrong with samples: `census`.
 //! * Files out: `written`, its blocks encoded by the crate `exr-blocks`; whole or not at all:
 //!   [`atomic`].
@@ -23,6 +24,10 @@ mod exr_file;
 mod exr_picture;
 mod exr_rows;
 mod exr_sampling;
+mod film;
+mod film_child;
+mod film_probe;
+mod film_yuv;
 mod footage;
 mod inspect;
 mod inspect_text;
@@ -63,12 +68,13 @@ use std::path::{Path, PathBuf};
 use crate::error::Result;
 
 /// The formats that are read. To add one: a file with a reader and its `FORMAT`, and two lines here.
-static FORMATS: [&picture::Format; 5] = [
+static FORMATS: [&picture::Format; 6] = [
     &exr_picture::FORMAT,
     &radiance::FORMAT,
     &png_picture::FORMAT,
     &jpeg_picture::FORMAT,
     &envi::FORMAT,
+    &film::FORMAT,
 ];
 
 /// Opens footage of one file for each frame. The first file's header tells its size and meaning.

@@ -29,6 +29,8 @@ pub struct Sequence {
     pub held: Vec<u32>,
     /// One file that is stared at. The only file of a pattern is a frame of its own number.
     pub is_still: bool,
+    /// The range that was asked for.
+    range: String,
 }
 
 impl Sequence {
@@ -48,14 +50,36 @@ impl Sequence {
                 (1..).zip(paths).map(|(number, path)| Ok((number, path?))).collect::<Result<_>>()?
             }
         };
-        let wanted = if range.is_empty() {
+        let is_still = frames.len() == 1 && pattern(&frames[0], folder)?.is_none();
+        // A film's numbers are known when it has been opened.
+        let wanted = if range.is_empty() || is_still {
             even_steps(&found)?
         } else {
             range::parse(range).map_err(|problem| Error::config("[input]", "range", problem))?
         };
-        let is_still = frames.len() == 1 && pattern(&frames[0], folder)?.is_none();
         let name = folder.join(&frames[0]);
-        Ok(Sequence { is_still, ..laid_out(&name, &found, wanted, missing)? })
+        Ok(Sequence { is_still, range: range.into(), ..laid_out(&name, &found, wanted, missing)? })
+    }
+}
+
+impl Sequence {
+    /// The same, where one file may be a film of many frames, which are numbered from 1. The
+    /// problem, if there is one, is a message about the range.
+    pub fn of_film(mut self, frames: usize) -> Result<Sequence, String> {
+        if self.is_still && !self.range.is_empty() {
+            self.numbers = range::parse(&self.range)?;
+        } else if self.is_still {
+            self.numbers = (1..=frames as u32).collect();
+        } else {
+            return Ok(self);
+        }
+        let lacks = |number: &&u32| !(1..=frames).contains(&(**number as usize));
+        if let Some(number) = self.numbers.iter().find(lacks) {
+            return Err(format!("frame {number} is not in the file, which has {frames}"));
+        }
+        self.shows = self.numbers.iter().map(|number| *number as usize - 1).collect();
+        self.is_still = frames == 1;
+        Ok(self)
     }
 }
 
@@ -152,7 +176,7 @@ fn laid_out(
         }
         shows.push(files.len() - 1);
     }
-    Ok(Sequence { numbers: wanted, files, shows, held, is_still: false })
+    Ok(Sequence { numbers: wanted, files, shows, held, is_still: false, range: String::new() })
 }
 
 #[cfg(test)]

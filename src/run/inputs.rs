@@ -106,7 +106,8 @@ pub fn unchanged(
 ) -> Result<()> {
     let path_of = |number: u32| {
         let at = steps.binary_search_by_key(&number, |step| step.number).ok()?;
-        files.get(steps[at].file)
+        // A film is one file for all frames.
+        files.get(steps[at].file).or(files.first().filter(|_| files.len() == 1))
     };
     let mut of_tables = tables.iter();
     let pairs: Vec<(&Input, Option<&PathBuf>)> = read

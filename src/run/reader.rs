@@ -110,7 +110,9 @@ pub fn read_all(
 /// Digests and decodes the file of a step.
 fn read(sequence: &mut Sequence<'_>, step: &Step, recycled: Option<Planes>) -> Result<Loaded> {
     let begun = Instant::now();
-    let file = sequence.files.get(step.file);
+    // A film is one file, which is read with its first frame.
+    let film = || sequence.files.first().filter(|_| step.start == 0.0);
+    let file = sequence.files.get(step.file).or_else(film);
     let input = file.map(|path| Input::of(path, Some(step.number))).transpose()?;
     let loaded = sequence.load(step.file, recycled)?;
     Ok(Loaded { input, took_s: begun.elapsed().as_secs_f64(), ..loaded })

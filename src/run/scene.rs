@@ -36,6 +36,9 @@ impl Scene {
             return Scene::of(config, footage, steps, Default::default(), view);
         };
         let footage = frames::open(&sequence.files, &config.read_options()?)?;
+        let sequence = sequence
+            .of_film(footage.len())
+            .map_err(|problem| config.wrong("input.range", problem))?;
         let steps = if sequence.is_still {
             schedule::of_still(config)?
         } else {
@@ -44,6 +47,7 @@ impl Scene {
                 &sequence.numbers,
                 &sequence.shows,
                 footage.header().frames_per_second,
+                footage.times(),
             )?
         };
         let view = view_of(config, footage.header().view)?;
@@ -145,7 +149,7 @@ fn white_of(config: &Config, of_file: Option<Nits>) -> Result<Nits> {
     config.settings.input.white_cd_m2.map(Nits).or(of_file).ok_or_else(|| {
         let problem = "is required for RGB frames that do not say it: the luminance of (1, 1, 1) \
                        in cd/m2. Usual are 100 for a picture made for a display, 72983 for \
-                       Mitsuba's hdrfilm, 179 for Radiance";
+                       Mitsuba's hdrfilm, 179 for Radiance; for a film say peak_cd_m2, its display's";
         config.wrong("input.white_cd_m2", problem)
     })
 }

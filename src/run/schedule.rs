@@ -49,12 +49,14 @@ pub fn of_still(config: &Config) -> Result<Vec<Step>> {
     Ok(steps(&edges, (1..).map(|number| (number, 0))))
 }
 
-/// The frames of a sequence: `numbers` and the file that shows each.
+/// The frames of a sequence: `numbers` and the file that shows each, with the rate that the files
+/// tell, or the times of a film.
 pub fn of_sequence(
     config: &Config,
     numbers: &[u32],
     shows: &[usize],
     file_fps: Option<f64>,
+    film: Option<&[f64]>,
 ) -> Result<Vec<Step>> {
     let time = &config.settings.time;
     if time.duration_s.is_some() {
@@ -63,9 +65,11 @@ pub fn of_sequence(
             "belongs to a still; a sequence lasts as long as its frames",
         ));
     }
-    let edges = match time.listed() {
-        Some(times) => edges_of_frames(config, times, numbers.len())?,
-        None => edges_of_numbers(numbers, interval(time, file_fps.unwrap_or(FPS))),
+    let is_silent = time.fps.is_none() && time.interval_s.is_none();
+    let edges = match (time.listed(), film.filter(|_| is_silent)) {
+        (Some(times), _) => edges_of_frames(config, times, numbers.len())?,
+        (None, Some(times)) => edges_of_film(times, shows),
+        (None, None) => edges_of_numbers(numbers, interval(time, file_fps.unwrap_or(FPS))),
     };
     let frames = steps(&edges, numbers.iter().copied().zip(shows.iter().copied()));
     if time.follows_the_gaze() { of_path(config, &frames) } else { Ok(frames) }
@@ -160,6 +164,13 @@ fn edges_of_frames(config: &Config, times: &[f64], frames: usize) -> Result<Vec<
     Ok(edges)
 }
 
+/// Each frame of a film is seen until the next one that is looked at; the last as long as it lasts.
+fn edges_of_film(times: &[f64], shows: &[usize]) -> Vec<f64> {
+    let (Some(&first), Some(&last)) = (shows.first(), shows.last()) else { return Vec::new() };
+    let starts = shows.iter().map(|&frame| times[frame] - times[first]);
+    starts.chain([times[last + 1] - times[first]]).collect()
+}
+
 /// Time follows frame numbers: frame n is at (n - first) intervals, whatever steps the numbers
 /// take.
 fn edges_of_numbers(numbers: &[u32], interval: f64) -> Vec<f64> {
@@ -207,28 +218,46 @@ mod tests {
 
     #[test]
     fn time_follows_frame_numbers_not_files() {
-        let steps = of_sequence(&config("time = { fps = 10 }"), &[5, 6, 9], &[0, 0, 1], Some(25.0))
-            .unwrap();
+        let steps =
+            of_sequence(&config("time = { fps = 10 }"), &[5, 6, 9], &[0, 0, 1], Some(25.0), None)
+                .unwrap();
         assert_eq!(
             ends(&steps).iter().map(|e| (e * 10.0).round()).collect::<Vec<_>>(),
             [1.0, 4.0, 7.0]
         );
-        let by_file = of_sequence(&config(""), &[5, 6], &[0, 1], Some(25.0)).unwrap();
+        let by_file = of_sequence(&config(""), &[5, 6], &[0, 1], Some(25.0), None).unwrap();
         assert_eq!(by_file[0].duration, 0.04);
     }
 
     #[test]
+    fn a_film_is_seen_at_its_own_times_unless_the_configuration_has_others() {
+        let film = [0.0, 0.3, 0.4, 0.9, 1.0];
+        let ends_of = |toml: &str, shows: &[usize]| {
+            let numbers: Vec<u32> = shows.iter().map(|&frame| frame as u32 + 1).collect();
+            ends(&of_sequence(&config(toml), &numbers, shows, Some(4.0), Some(&film)).unwrap())
+        };
+        assert_eq!(ends_of("", &[0, 1, 2, 3]), film[1..]);
+        assert_eq!(ends_of("", &[1, 3]), [0.9 - 0.3, 1.0 - 0.3]);
+        assert_eq!(ends_of("time = { fps = 2 }", &[1, 3]), [1.0, 2.0]);
+    }
+
+    #[test]
     fn times_are_starts_and_may_name_the_end() {
-        let starts =
-            of_sequence(&config("time = { times_s = [0, 0.5, 2] }"), &[1, 2, 3], &[0, 1, 2], None)
-                .unwrap();
+        let starts = of_sequence(
+            &config("time = { times_s = [0, 0.5, 2] }"),
+            &[1, 2, 3],
+            &[0, 1, 2],
+            None,
+            None,
+        )
+        .unwrap();
         assert_eq!(ends(&starts), [0.5, 2.0, 3.5]);
         let ended =
-            of_sequence(&config("time = { times_s = [0, 0.5, 2] }"), &[1, 2], &[0, 1], None)
+            of_sequence(&config("time = { times_s = [0, 0.5, 2] }"), &[1, 2], &[0, 1], None, None)
                 .unwrap();
         assert_eq!(ends(&ended), [0.5, 2.0]);
         assert!(
-            of_sequence(&config("time = { times_s = [0, 1] }"), &[1, 2, 3], &[0, 1, 2], None)
+            of_sequence(&config("time = { times_s = [0, 1] }"), &[1, 2, 3], &[0, 1, 2], None, None)
                 .is_err()
         );
     }

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Writes frame files with OpenEXR, Mitsuba, colour-science, Spectral Python and imageio, and checks that
+# Writes frame files with OpenEXR, Mitsuba, colour-science, Spectral Python, Pillow, Radiance and imageio, and checks that
 # `sungaze inspect --json` reads the same out of them. Needs the network once; not part of the checks of every commit.
 #
 #   tests/interop/run.sh [VENV]

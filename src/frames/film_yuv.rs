@@ -1,0 +1,364 @@
+//! Codes of a film's frame to the signals R', G', B'.
+//!
+//! ITU-R BT.709, BT.601, BT.2020 and H.273: Y' = (code - 16 s)/(219 s) at limited range, code/top at
+//! full range, likewise C = (code - middle)/(224 s); s = 2^(bits - 8). R' = Y' + 2 (1 - Kr) Cr, B' =
+//! Y' + 2 (1 - Kb) Cb, and G' is what is left of Y'. Chroma of less than full size is interpolated
+//! linearly between the places where its samples were taken (`chroma_location`; H.273, 8.7).
+
+use crate::frames::film_probe::Stream;
+
+/// How the bytes of a frame are laid out.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Layout {
+    /// The layout that ffmpeg is asked for: the stream's own, or its RGB in planes.
+    pub pix_fmt: String,
+    pub width: usize,
+    pub height: usize,
+    bits: u32,
+    planes: Planes,
+    /// Full range of codes, or the limited one.
+    full: bool,
+    matrix: Matrix,
+    /// Where chroma is sampled between the luma samples: 0 on the first, 0.5 half way to the next.
+    siting: [f32; 2],
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Planes {
+    Grey,
+    /// G, B, R.
+    Gbr,
+    /// Luma, and chroma of its size over these, across and down.
+    Yuv(usize, usize),
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Matrix {
+    kr: f32,
+    kb: f32,
+}
+
+impl Layout {
+    /// The layout of a stream. The problem, if there is one, is a message.
+    pub fn of(stream: &Stream) -> Result<(Layout, Vec<String>), String> {
+        let (planes, bits, pix_fmt) = planes(&stream.pix_fmt).ok_or_else(|| {
+            format!(
+                "has frames in the layout `{}`; read are planes of YUV (4:2:0, 4:2:2, 4:4:4), RGB \
+                 and grey, in 8 to 16 bits",
+                stream.pix_fmt
+            )
+        })?;
+        let mut notes = Vec::new();
+        let subsampled = matches!(planes, Planes::Yuv(..));
+        let matrix = if subsampled { matrix(stream, &mut notes)? } else { Matrix::BT709 };
+        let by_name = stream.pix_fmt.starts_with("yuvj");
+        let full = match stream.color_range.as_deref() {
+            _ if planes == Planes::Gbr || by_name => true,
+            Some("pc") => true,
+            Some("tv") => false,
+            _ => {
+                notes.push("its range of codes is not told: taken as limited".into());
+                false
+            }
+        };
+        let siting = match stream.chroma_location.as_deref() {
+            Some("center") => [0.5, 0.5],
+            Some("topleft") => [0.0, 0.0],
+            Some("top") => [0.5, 0.0],
+            None | Some("unspecified") if by_name => [0.5, 0.5],
+            _ => [0.0, 0.5],
+        };
+        let (width, height) = (stream.width, stream.height);
+        Ok((Layout { pix_fmt, width, height, bits, planes, full, matrix, siting }, notes))
+    }
+
+    /// Bytes of a frame.
+    pub fn bytes(&self) -> usize {
+        let alpha = usize::from(self.pix_fmt.contains("yuva") || self.pix_fmt.contains("gbrap"));
+        let luma = self.width * self.height;
+        let samples = match self.planes {
+            Planes::Grey => luma,
+            Planes::Gbr => luma * 3,
+            Planes::Yuv(..) => luma + 2 * self.chroma().0 * self.chroma().1,
+        };
+        (samples + alpha * luma) * self.bytes_per_sample()
+    }
+
+    fn bytes_per_sample(&self) -> usize {
+        if self.bits > 8 { 2 } else { 1 }
+    }
+
+    /// Width and height of a plane of chroma.
+    fn chroma(&self) -> (usize, usize) {
+        match self.planes {
+            Planes::Yuv(across, down) => (self.width.div_ceil(across), self.height.div_ceil(down)),
+            _ => (self.width, self.height),
+        }
+    }
+
+    /// R', G' and B' of row `y`: three runs of the frame's width. `room` is to work in.
+    pub fn signals(&self, frame: &[u8], y: usize, out: &mut [f32], room: &mut Vec<f32>) {
+        let width = self.width;
+        let luma = width * self.height;
+        let (red, rest) = out.split_at_mut(width);
+        let (green, blue) = rest.split_at_mut(width);
+        match self.planes {
+            Planes::Grey => {
+                self.codes(frame, y * width, green, self.luma_scale());
+                red.copy_from_slice(green);
+                blue.copy_from_slice(green);
+            }
+            Planes::Gbr => {
+                for (plane, out) in [green, blue, red].into_iter().enumerate() {
+                    self.codes(frame, plane * luma + y * width, out, self.luma_scale());
+                }
+            }
+            Planes::Yuv(..) => {
+                self.codes(frame, y * width, green, self.luma_scale());
+                let (columns, rows) = self.chroma();
+                self.chroma_row(frame, luma, y, blue, room);
+                self.chroma_row(frame, luma + columns * rows, y, red, room);
+                self.matrix.apply(red, green, blue);
+            }
+        }
+    }
+
+    /// One plane of chroma in row `y`, interpolated to the frame's width.
+    fn chroma_row(
+        &self,
+        frame: &[u8],
+        plane: usize,
+        y: usize,
+        out: &mut [f32],
+        room: &mut Vec<f32>,
+    ) {
+        let Planes::Yuv(across, down) = self.planes else { return };
+        let (columns, rows) = self.chroma();
+        room.resize(2 * columns, 0.0);
+        let (above, below) = room.split_at_mut(columns);
+        let (row, next, weight) = between(y, down, self.siting[1], rows);
+        self.codes(frame, plane + row * columns, above, self.chroma_scale());
+        if weight > 0.0 {
+            self.codes(frame, plane + next * columns, below, self.chroma_scale());
+            for (above, below) in above.iter_mut().zip(below) {
+                *above += weight * (*below - *above);
+            }
+        }
+        widened(above, across, self.siting[0], out);
+    }
+
+    /// Factor and offset from codes to signals.
+    fn luma_scale(&self) -> (f32, f32) {
+        let step = f32::from(1u16 << (self.bits - 8));
+        let (low, span) =
+            if self.full { (0.0, step * 256.0 - 1.0) } else { (16.0 * step, 219.0 * step) };
+        (1.0 / span, -low / span)
+    }
+
+    fn chroma_scale(&self) -> (f32, f32) {
+        let step = f32::from(1u16 << (self.bits - 8));
+        let span = if self.full { step * 256.0 - 1.0 } else { 224.0 * step };
+        (1.0 / span, -128.0 * step / span)
+    }
+
+    /// Scales codes from sample `first` of the frame on.
+    fn codes(&self, frame: &[u8], first: usize, out: &mut [f32], (factor, offset): (f32, f32)) {
+        if self.bits > 8 {
+            let codes = frame[2 * first..][..2 * out.len()].as_chunks().0;
+            for (out, code) in out.iter_mut().zip(codes) {
+                *out = f32::from(u16::from_le_bytes(*code)) * factor + offset;
+            }
+        } else {
+            for (out, code) in out.iter_mut().zip(&frame[first..]) {
+                *out = f32::from(*code) * factor + offset;
+            }
+        }
+    }
+}
+
+/// The two samples around place `at` of a plane that has one for every `step`, and the weight of
+/// the second.
+fn between(at: usize, step: usize, siting: f32, count: usize) -> (usize, usize, f32) {
+    if step == 1 {
+        return (at, at, 0.0);
+    }
+    let place = ((at as f32 - siting) / step as f32).clamp(0.0, (count - 1) as f32);
+    let before = place as usize;
+    (before, (before + 1).min(count - 1), place - before as f32)
+}
+
+/// A row of chroma interpolated to the width of luma.
+fn widened(row: &[f32], step: usize, siting: f32, out: &mut [f32]) {
+    if step == 1 {
+        return out.copy_from_slice(row);
+    }
+    if step == 2 && siting == 0.0 {
+        // The common case: every second place is a sample, the others lie half way.
+        let ends = row.iter().skip(1).chain(row.last());
+        for ((pair, &here), &next) in out.chunks_mut(2).zip(row).zip(ends) {
+            pair[0] = here;
+            if let [_, between] = pair {
+                *between = 0.5 * (here + next);
+            }
+        }
+        return;
+    }
+    for (x, out) in out.iter_mut().enumerate() {
+        let (before, after, weight) = between(x, step, siting, row.len());
+        *out = row[before] + weight * (row[after] - row[before]);
+    }
+}
+
+impl Matrix {
+    const BT709: Matrix = Matrix { kr: 0.2126, kb: 0.0722 };
+    const BT601: Matrix = Matrix { kr: 0.299, kb: 0.114 };
+    const BT2020: Matrix = Matrix { kr: 0.2627, kb: 0.0593 };
+
+    /// Cr, Y', Cb to R', G', B' in place.
+    fn apply(self, red: &mut [f32], green: &mut [f32], blue: &mut [f32]) {
+        let (kr, kb) = (self.kr, self.kb);
+        let (of_red, of_blue) = (2.0 * (1.0 - kr), 2.0 * (1.0 - kb));
+        let kg = 1.0 - kr - kb;
+        let (g_red, g_blue) = (of_red * kr / kg, of_blue * kb / kg);
+        for ((r, g), b) in red.iter_mut().zip(green).zip(blue) {
+            let (y, cr, cb) = (*g, *r, *b);
+            *r = y + of_red * cr;
+            *g = y - g_red * cr - g_blue * cb;
+            *b = y + of_blue * cb;
+        }
+    }
+}
+
+/// The matrix of a stream; where it does not tell, that of its size, as players take it.
+fn matrix(stream: &Stream, notes: &mut Vec<String>) -> Result<Matrix, String> {
+    match stream.color_space.as_deref() {
+        Some("bt709") => Ok(Matrix::BT709),
+        Some("bt2020nc") => Ok(Matrix::BT2020),
+        Some("smpte170m" | "bt470bg") => Ok(Matrix::BT601),
+        None | Some("unknown" | "reserved") => {
+            let (name, matrix) = if stream.height < 720 {
+                ("BT.601", Matrix::BT601)
+            } else {
+                ("BT.709", Matrix::BT709)
+            };
+            notes.push(format!("its matrix is not told: taken as {name}, by its size"));
+            Ok(matrix)
+        }
+        Some(other) => Err(format!(
+            "has the matrix `{other}`; bt709, bt2020nc, smpte170m and bt470bg are read"
+        )),
+    }
+}
+
+/// Planes and bits of one of ffmpeg's layouts, and the layout to ask for.
+fn planes(pix_fmt: &str) -> Option<(Planes, u32, String)> {
+    let own = pix_fmt.to_owned();
+    match pix_fmt {
+        "rgb24" | "bgr24" | "rgb0" | "bgr0" | "0rgb" | "0bgr" | "rgba" | "bgra" | "argb"
+        | "abgr" | "pal8" => return Some((Planes::Gbr, 8, "gbrp".into())),
+        "rgb48le" | "rgb48be" | "rgba64le" | "rgba64be" => {
+            return Some((Planes::Gbr, 16, "gbrp16le".into()));
+        }
+        _ => {}
+    }
+    let (name, bits) = match pix_fmt.strip_suffix("le") {
+        Some(name) => {
+            let digits = name.len() - name.bytes().rev().take_while(u8::is_ascii_digit).count();
+            let split = digits.max(name.len().saturating_sub(2));
+            let bits = name[split..].parse().ok().filter(|bits| (9..=16).contains(bits))?;
+            (&name[..split], bits)
+        }
+        None => (pix_fmt, 8),
+    };
+    let planes = match name {
+        "gray" => Planes::Grey,
+        "gbrp" | "gbrap" => Planes::Gbr,
+        "yuv420p" | "yuvj420p" | "yuva420p" => Planes::Yuv(2, 2),
+        "yuv422p" | "yuvj422p" | "yuva422p" => Planes::Yuv(2, 1),
+        "yuv444p" | "yuvj444p" | "yuva444p" => Planes::Yuv(1, 1),
+        "yuv440p" | "yuvj440p" => Planes::Yuv(1, 2),
+        _ => return None,
+    };
+    Some((planes, bits, own))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stream(pix_fmt: &str, width: usize, height: usize) -> Stream {
+        let text = |text: &str| Some(text.to_owned());
+        Stream {
+            width,
+            height,
+            pix_fmt: pix_fmt.into(),
+            color_range: text("tv"),
+            color_space: text("bt2020nc"),
+            chroma_location: text("left"),
+            ..Stream::default()
+        }
+    }
+
+    fn signals(layout: &Layout, frame: &[u8], y: usize) -> Vec<f32> {
+        let mut out = vec![0.0; 3 * layout.width];
+        layout.signals(frame, y, &mut out, &mut Vec::new());
+        out
+    }
+
+    #[test]
+    fn names_of_layouts_tell_planes_and_bits() {
+        assert_eq!(planes("yuv420p").unwrap().1, 8);
+        assert_eq!(planes("yuv422p10le").unwrap().0, Planes::Yuv(2, 1));
+        assert_eq!(planes("gray9le").unwrap().1, 9);
+        assert_eq!(planes("yuva444p12le").unwrap().1, 12);
+        assert_eq!(planes("rgb24").unwrap().2, "gbrp");
+        assert_eq!((planes("yuv420p10be"), planes("p010le"), planes("le")), (None, None, None));
+    }
+
+    /// BT.2100-2, table 9: black and white are 64 and 940, chroma 512 +- 448 in 10 bits.
+    #[test]
+    fn published_codes_become_black_white_and_full_red() {
+        let (layout, notes) = Layout::of(&stream("yuv444p10le", 3, 1)).unwrap();
+        assert!(notes.is_empty(), "{notes:?}");
+        // Red at full: Y' = Kr, Cr = .5, Cb = -Kr / (2 (1 - Kb)).
+        let cb = -0.2627 / (2.0 * (1.0 - 0.0593));
+        let red = [64.0 + 876.0 * 0.2627, 512.0 + 896.0 * cb, 960.0f64];
+        let codes: Vec<u16> = [64.0, 940.0, red[0], 512.0, 512.0, red[1], 512.0, 512.0, red[2]]
+            .map(|code: f64| code.round() as u16)
+            .into();
+        let frame: Vec<u8> = codes.iter().flat_map(|code| code.to_le_bytes()).collect();
+        assert_eq!(frame.len(), layout.bytes());
+        let found = signals(&layout, &frame, 0);
+        let expected = [0.0, 1.0, 1.0, 0.0, 1.0, 0.0, 0.0, 1.0, 0.0];
+        let near = found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-3);
+        assert!(near, "{found:?}");
+    }
+
+    #[test]
+    fn chroma_is_interpolated_between_the_places_where_it_was_sampled() {
+        // A ramp of chroma along x and y stays a ramp, whatever the siting.
+        for (location, at) in
+            [("left", [0.0, 0.5]), ("center", [0.5, 0.5]), ("topleft", [0.0, 0.0])]
+        {
+            let told = Stream {
+                chroma_location: Some(location.into()),
+                color_range: Some("pc".into()),
+                ..stream("yuv420p", 8, 8)
+            };
+            let (layout, _) = Layout::of(&told).unwrap();
+            let mut frame = vec![0; layout.bytes()];
+            for (i, code) in frame[64..80].iter_mut().enumerate() {
+                *code = (128 + 8 * (i % 4) + 4 * (i / 4)) as u8;
+            }
+            let (mut row, mut room) = (vec![0.0; 8], Vec::new());
+            for y in 2..6 {
+                layout.chroma_row(&frame, 64, y, &mut row, &mut room);
+                for (x, value) in row.iter().enumerate().take(6).skip(2) {
+                    let place = |at: usize, siting: f32| (at as f32 - siting) / 2.0;
+                    let code = 8.0 * place(x, at[0]) + 4.0 * place(y, at[1]);
+                    assert!((value * 255.0 - code).abs() < 1e-3, "{location} {x} {y}: {value}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,254 @@
+//! Films, made by ffmpeg out of known codes. Without ffmpeg these tests say so and pass.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use sungaze::frames::{Footage, Kind, ReadOptions, open};
+
+fn has_ffmpeg() -> bool {
+    let found = Command::new("ffmpeg").arg("-version").stdout(Stdio::null()).status().is_ok();
+    if !found {
+        eprintln!("skipped: there is no ffmpeg on PATH");
+    }
+    found
+}
+
+/// A lossless film of raw frames, with what ffmpeg is to be told of them.
+fn film(folder: &Path, name: &str, raw: &[u8], input: &[&str], output: &[&str]) -> PathBuf {
+    let path = folder.join(name);
+    let mut child = Command::new("ffmpeg")
+        .args(["-v", "error", "-y", "-f", "rawvideo"])
+        .args(input)
+        .args(["-i", "-", "-c:v", "ffv1"])
+        .args(output)
+        .arg(&path)
+        .stdin(Stdio::piped())
+        .spawn()
+        .unwrap();
+    child.stdin.take().unwrap().write_all(raw).unwrap();
+    assert!(child.wait().unwrap().success());
+    path
+}
+
+fn opened(path: &Path, peak: Option<f64>) -> Box<dyn Footage> {
+    let options = ReadOptions { peak_cd_m2: peak, ..ReadOptions::default() };
+    open(&[path.to_owned()], &options).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Grey frames of one 8-bit code each, 16 x 8 pixels.
+fn greys(codes: &[u8]) -> Vec<u8> {
+    codes.iter().flat_map(|&code| [vec![code; 128], vec![128; 64]].concat()).collect()
+}
+
+const GREY: [&str; 6] = ["-pix_fmt", "yuv420p", "-s", "16x8", "-r", "10"];
+const SDR: [&str; 8] = [
+    "-color_range",
+    "tv",
+    "-colorspace",
+    "bt709",
+    "-color_primaries",
+    "bt709",
+    "-color_trc",
+    "bt709",
+];
+
+/// SMPTE ST 2084 as it is printed.
+fn st2084(signal: f64) -> f64 {
+    let (m1, m2) = (0.159_301_757_812_5, 78.843_75);
+    let (c1, c2, c3) = (0.835_937_5, 18.851_562_5, 18.687_5);
+    let e = signal.clamp(0.0, 1.0).powf(1.0 / m2);
+    10_000.0 * ((e - c1).max(0.0) / (c2 - c3 * e)).powf(1.0 / m1)
+}
+
+const PATCH: usize = 8;
+
+/// Patches of luma and chroma codes in 10 bits, 4:2:0, and the codes of each.
+fn patches() -> (Vec<u8>, Vec<[f64; 3]>) {
+    let lumas = (0..48).map(|i| 64 + i * 876 / 47);
+    let chromas = [(512, 512), (512, 700), (600, 420), (420, 560)];
+    let codes: Vec<[u16; 3]> =
+        chromas.iter().flat_map(|&(cb, cr)| lumas.clone().map(move |y| [y, cb, cr])).collect();
+    let plane = |i: usize, size: usize| -> Vec<u8> {
+        let rows = (0..4 * size).map(|y| y / size);
+        let row = |y: usize| (0..48 * size).map(move |x| (y, x / size));
+        rows.flat_map(row).flat_map(|(y, x)| codes[y * 48 + x][i].to_le_bytes()).collect()
+    };
+    let raw = [plane(0, PATCH), plane(1, PATCH / 2), plane(2, PATCH / 2)].concat();
+    (raw, codes.iter().map(|codes| codes.map(f64::from)).collect())
+}
+
+/// BT.2100: R', G', B' of codes of limited range, BT.2020 primaries.
+fn signals([y, cb, cr]: [f64; 3]) -> [f64; 3] {
+    let (y, cb, cr) = ((y - 64.0) / 876.0, (cb - 512.0) / 896.0, (cr - 512.0) / 896.0);
+    let (r, b) = (y + 1.4746 * cr, y + 1.8814 * cb);
+    [r, (y - 0.2627 * r - 0.0593 * b) / 0.6780, b]
+}
+
+fn wide(transfer: &str) -> Vec<&str> {
+    let range = ["-color_range", "tv", "-colorspace", "bt2020nc", "-color_primaries", "bt2020"];
+    [&range[..], &["-color_trc", transfer, "-chroma_sample_location", "left"]].concat()
+}
+
+/// The greatest relative error over the middles of all patches where light is above .1 cd/m2.
+fn worst(transfer: &str, peak: Option<f64>, expected: impl Fn([f64; 3]) -> [f64; 3]) -> f64 {
+    let folder = tempfile::tempdir().unwrap();
+    let (raw, codes) = patches();
+    let input = ["-pix_fmt", "yuv420p10le", "-s", "384x32", "-r", "24"];
+    let path = film(folder.path(), "a.mkv", &raw, &input, &wide(transfer));
+    let footage = opened(&path, peak);
+    let Kind::Rgb(primaries) = footage.header().kind else { panic!("not RGB") };
+    assert_eq!(primaries.red, [0.708, 0.292]);
+    let white = footage.header().white.unwrap().0;
+    let planes = footage.read(0, None, None).unwrap().planes;
+    let mut worst: f64 = 0.0;
+    for (i, &codes) in codes.iter().enumerate() {
+        // Beyond 109 % there is no code of any one channel, and the reader stops.
+        if signals(codes).into_iter().any(|signal| signal > 1.09) {
+            continue;
+        }
+        let (x, y) = (i % 48 * PATCH + PATCH / 2, i / 48 * PATCH + PATCH / 2);
+        for (plane, light) in expected(codes).into_iter().enumerate() {
+            let found = planes.at(x, y, plane) * white;
+            if light > 0.1 {
+                worst = worst.max((found / light - 1.0).abs());
+            }
+        }
+    }
+    worst
+}
+
+#[test]
+fn pq_patches_come_out_as_st_2084_has_them() {
+    if has_ffmpeg() {
+        let error = worst("smpte2084", None, |codes| signals(codes).map(st2084));
+        assert!(error < 1e-4, "{error}");
+    }
+}
+
+#[test]
+fn hlg_and_bt1886_patches_come_out_for_their_peak() {
+    if !has_ffmpeg() {
+        return;
+    }
+    let gamma = 1.2 + 0.42 * (600.0f64 / 1000.0).log10();
+    let hlg = |codes| {
+        let scene = signals(codes).map(|e: f64| match e.max(0.0) {
+            e if e <= 0.5 => e * e / 3.0,
+            e => (((e - 0.55991073) / 0.17883277).exp() + 0.28466892) / 12.0,
+        });
+        let y = 0.2627 * scene[0] + 0.6780 * scene[1] + 0.0593 * scene[2];
+        scene.map(|light| 600.0 * y.powf(gamma - 1.0) * light)
+    };
+    let error = worst("arib-std-b67", Some(600.0), hlg);
+    assert!(error < 1e-3, "{error}");
+    let bt1886 = |codes| signals(codes).map(|signal| 100.0 * signal.max(0.0).powf(2.4));
+    let error = worst("bt2020-10", Some(100.0), bt1886);
+    assert!(error < 1e-3, "{error}");
+}
+
+#[test]
+fn frames_are_found_in_any_order_and_a_damaged_one_is_named() {
+    if !has_ffmpeg() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let codes: Vec<u8> = (0..12).map(|i| 30 + 15 * i).collect();
+    let checked = [&SDR[..], &["-slicecrc", "1", "-level", "3", "-g", "1"]].concat();
+    let path = film(folder.path(), "a.mkv", &greys(&codes), &GREY, &checked);
+    let footage = opened(&path, Some(100.0));
+    assert_eq!(footage.len(), 12);
+    let value = |i: usize| footage.read(i, None, None).unwrap().planes.at(3, 4, 1);
+    for i in [0, 5, 5, 2, 11, 3] {
+        let expected = (f64::from(codes[i]) - 16.0) / 219.0;
+        assert!((value(i) - expected.powf(2.4)).abs() < 1e-6, "{i}");
+    }
+    let mut bytes = std::fs::read(&path).unwrap();
+    let length = bytes.len();
+    std::fs::write(folder.path().join("cut.mkv"), &bytes[..length * 2 / 3]).unwrap();
+    let cut = open(&[folder.path().join("cut.mkv")], &ReadOptions::default());
+    assert!(cut.map(|_| ()).unwrap_err().to_string().contains("cut.mkv: is cut short"));
+    // Size and place of the packet of the seventh frame.
+    let told = Command::new("ffprobe")
+        .args(["-v", "error", "-show_entries", "packet=size,pos", "-of", "csv=p=0"])
+        .arg(&path)
+        .output()
+        .unwrap();
+    let told = String::from_utf8(told.stdout).unwrap();
+    let packet: Vec<usize> =
+        told.lines().nth(6).unwrap().split(',').map(|number| number.parse().unwrap()).collect();
+    bytes[packet[1] + packet[0] / 2] ^= 0x55;
+    std::fs::write(&path, bytes).unwrap();
+    let footage = opened(&path, Some(100.0));
+    let error = (0..12).find_map(|i| footage.read(i, None, None).err()).unwrap().to_string();
+    let named = error.contains("a.mkv: is damaged or cut short at frame");
+    assert!(named && error.contains("CRC mismatch"), "{error}");
+}
+
+fn program() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_sungaze"))
+}
+
+/// Runs a film and gives the rows of trace.csv.
+fn traced(folder: &Path, keys: &str) -> Vec<Vec<String>> {
+    let config = folder.join("c.toml");
+    let text = format!(
+        "input.frames = \"a.mkv\"\ninput.horizontal_fov_deg = 20\ninput.peak_cd_m2 = 100\n{keys}"
+    );
+    std::fs::write(&config, text).unwrap();
+    let out = folder.join("o");
+    let output = program()
+        .args(["run", "--quiet", "--overwrite", "--out"])
+        .arg(&out)
+        .arg(&config)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let rows = std::fs::read_to_string(out.join("trace.csv")).unwrap();
+    rows.lines().skip(1).map(|row| row.split(',').map(str::to_owned).collect()).collect()
+}
+
+#[test]
+fn a_film_of_variable_rate_is_seen_at_its_own_times() {
+    if !has_ffmpeg() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let uneven = ["-vf", "select='eq(n,0)+eq(n,3)+eq(n,4)+eq(n,9)'", "-fps_mode", "passthrough"];
+    let output = [&SDR[..], &uneven].concat();
+    film(folder.path(), "a.mkv", &greys(&[200; 12]), &GREY, &output);
+    let column = |rows: &[Vec<String>], i: usize| -> Vec<f64> {
+        rows.iter().map(|row| row[i].parse().unwrap()).collect()
+    };
+    let near = |found: Vec<f64>, expected: &[f64]| {
+        let same = found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 2e-3);
+        assert!(found.len() == expected.len() && same, "{found:?} {expected:?}");
+    };
+    let rows = traced(folder.path(), "");
+    near(column(&rows, 0), &[1.0, 2.0, 3.0, 4.0]);
+    near(column(&rows, 1), &[0.3, 0.4, 0.9, 1.0]);
+    let rows = traced(folder.path(), "input.range = \"2-4\"\n");
+    near(column(&rows, 0), &[2.0, 3.0, 4.0]);
+    near(column(&rows, 1), &[0.1, 0.6, 0.7]);
+    let rows = traced(folder.path(), "time.fps = 10\n");
+    near(column(&rows, 1), &[0.1, 0.2, 0.3, 0.4]);
+}
+
+#[test]
+fn without_ffmpeg_the_message_says_what_to_install_or_to_run() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("clip.mov"), b"\0\0\0\x14ftypqt  ").unwrap();
+    let output = program()
+        .args(["inspect", "clip.mov"])
+        .current_dir(folder.path())
+        .env("PATH", "")
+        .output()
+        .unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("apt install ffmpeg"), "{message}");
+    assert!(
+        message.contains("ffmpeg -i clip.mov -fps_mode passthrough clip.%04d.png"),
+        "{message}"
+    );
+}
