@@ -161,7 +161,7 @@ fn observer(s: &Settings) -> Check {
                 "is required with observer.pupil = \"fixed\"".into(),
             ));
         }
-        (PupilKey::Fixed, mm) => optional("observer.pupil_mm", mm, 0.1, 20.0)?,
+        (PupilKey::Fixed, mm) => optional("observer.pupil_mm", mm, 0.1, 8.0)?,
         (_, Some(_)) => {
             return Err((
                 "observer.pupil_mm".into(),

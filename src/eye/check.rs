@@ -94,10 +94,10 @@ impl Check {
             self.p[i] = after;
             let ours = run(at);
             let [mut of_p, mut of_catch] = self.errors[i];
-            of_p = (0..3).map(|k| (ours[k] - after[k]).abs()).fold(of_p, f64::max);
+            of_p = (0..3).map(|k| (ours[k] - after[k]).abs()).fold(of_p, worst);
             // Catches by the definition take a power at every nanometre: now and then is enough.
             if still && self.frames.is_power_of_two() {
-                of_catch = of_catch.max(frame.error_of_catch(&light, at, ours, after));
+                of_catch = worst(of_catch, frame.error_of_catch(&light, at, ours, after));
             }
             self.errors[i] = [of_p, of_catch];
         }
@@ -105,7 +105,7 @@ impl Check {
 
     /// The largest error of p and of a catch.
     pub fn largest(&self) -> [f64; 2] {
-        [0, 1].map(|which| self.errors(which).fold(0.0, f64::max))
+        [0, 1].map(|which| self.errors(which).fold(0.0, worst))
     }
 
     fn errors(&self, which: usize) -> impl Iterator<Item = f64> + '_ {
@@ -204,7 +204,7 @@ impl CheckFrame<'_> {
     /// Weights of each stored plane in each cone's illuminance, from the definition.
     fn weights(&self, r: f64) -> [Vec<f64>; 3] {
         let observer = &self.vision.observer;
-        let eta = observer.directional.curve(self.pupil, Millimetres(r));
+        let eta = observer.directional.exact(self.pupil, Millimetres(r));
         [0, 1, 2].map(|k| {
             let seen = eta.times(observer.fundamentals.unbleached(k));
             let scale =
@@ -214,8 +214,8 @@ impl CheckFrame<'_> {
     }
 
     /// The largest relative error of a catch: by levels at the run's p, against the definition at
-    /// the true one. Light out of gamut may catch next to nothing: its error is relative to what
-    /// its parts catch, all taken as light.
+    /// the true one. A catch of next to nothing, as of light out of gamut, counts as a millionth of
+    /// what its parts catch, all taken as light.
     fn error_of_catch(
         &self,
         light: &[f64],
@@ -233,9 +233,14 @@ impl CheckFrame<'_> {
         let seen = self.vision.catch(&self.vision.moments(self.planes, x, y), ours);
         (0..3)
             .filter(|&k| size[k] > 0.0)
-            .map(|k| ((seen[k] - exact[k]) / size[k]).abs())
-            .fold(0.0, f64::max)
+            .map(|k| (seen[k] - exact[k]).abs() / exact[k].abs().max(1e-6 * size[k]))
+            .fold(0.0, worst)
     }
+}
+
+/// The larger of two errors. What is no number is an error without a limit.
+fn worst(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::INFINITY } else { a.max(b) }
 }
 
 fn illuminance(weights: &[Vec<f64>; 3], light: &[f64]) -> [f64; 3] {
@@ -348,20 +353,39 @@ mod tests {
     }
 
     #[test]
-    fn the_bound_of_the_levels_holds_out_of_gamut_too() {
+    fn the_bound_of_the_levels_holds_for_every_mixture_of_the_primaries() {
         let vision = Vision::of_rgb(Observer::standard(), &Primaries::REC709, Nits(1.0)).unwrap();
         let pigments = [Kinetics::first_order(Trolands(2e4), Seconds(120.0)); 3];
-        for green in (0..400).map(|i| -0.005 * i as f32) {
-            let planes = Planes {
-                width: 1,
-                height: 1,
-                count: 3,
-                samples: Samples::Float(vec![1.0, green, 1.0]),
-            };
+        let bound = vision.levels_bound().unwrap();
+        assert!((LEVEL_BOUND..1e-3).contains(&bound), "{bound:e}");
+        for i in 0..400 {
+            let [r, g, b] = [i % 8, i / 8 % 8, i / 64].map(|v| v as f32 / 7.0);
+            if r + g + b == 0.0 {
+                continue;
+            }
+            let samples = Samples::Float(vec![r, g, b]);
+            let planes = Planes { width: 1, height: 1, count: 3, samples };
             let frame = frame(&vision, &pigments, &planes, Seconds(1.0));
-            let light = [1.0, f64::from(green), 1.0];
-            let error = frame.error_of_catch(&light, [0, 0], [0.5; 3], [0.5; 3]);
-            assert!(error <= LEVEL_BOUND, "{green}: {error:e}");
+            let light = [r, g, b].map(f64::from);
+            for p in [0.02, 0.5, 0.9] {
+                let error = frame.error_of_catch(&light, [0, 0], [p; 3], [p; 3]);
+                assert!(error <= bound, "{r} {g} {b} at {p}: {error:e} of {bound:e}");
+            }
         }
+    }
+
+    #[test]
+    fn wide_primaries_are_promised_less() {
+        let rec2020 = Primaries {
+            red: [0.708, 0.292],
+            green: [0.170, 0.797],
+            blue: [0.131, 0.046],
+            white: [0.3127, 0.3290],
+        };
+        let bound = |primaries| {
+            Vision::of_rgb(Observer::standard(), primaries, Nits(1.0)).unwrap().levels_bound()
+        };
+        let [narrow, wide] = [bound(&Primaries::REC709), bound(&rec2020)];
+        assert!(wide.is_none_or(|wide| wide > 3.0 * narrow.unwrap()), "{narrow:?} {wide:?}");
     }
 }

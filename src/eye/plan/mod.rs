@@ -44,8 +44,8 @@ pub struct Plan {
     budget: Option<f64>,
     /// For each tile the most that may have bleached unseen.
     pub(super) ledger: Ledger,
-    /// The greatest peak density of a pigment, on which the levels' error depends.
-    density: f64,
+    /// Largest relative error of a catch from the levels of p; `None`: without limit.
+    levels: Option<f64>,
     /// Whether frames come as sums over bands, so that what is seen is their light only to single
     /// precision.
     projected: bool,
@@ -53,7 +53,7 @@ pub struct Plan {
 }
 
 /// What was left out so far, and what could have been.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct PlanStats {
     /// The most that has bleached unseen in a tile that was left untouched.
     untouched: f64,
@@ -63,12 +63,28 @@ struct PlanStats {
     followed: bool,
     /// The most that a steady state that was taken is wrong by, relative to p.
     forgotten: f64,
+    /// The least fraction that any place has come to.
+    least: f64,
     /// What would have bleached unseen if every tile had been left untouched: by now, and at the
     /// most.
     unseen: f64,
     everywhere: f64,
     /// The most that a steady state would have been wrong by, had it been taken everywhere.
     remembered: f64,
+}
+
+impl PlanStats {
+    const NONE: PlanStats = PlanStats {
+        untouched: 0.0,
+        stepped: false,
+        settled: false,
+        followed: false,
+        forgotten: 0.0,
+        least: 1.0,
+        unseen: 0.0,
+        everywhere: 0.0,
+        remembered: 0.0,
+    };
 }
 
 /// What a plan allows over one step.
@@ -103,9 +119,9 @@ impl Plan {
         Plan {
             budget,
             ledger: Ledger::default(),
-            density: 0.0,
+            levels: Some(0.0),
             projected: false,
-            stats: PlanStats::default(),
+            stats: PlanStats::NONE,
         }
     }
 
@@ -124,7 +140,9 @@ impl Plan {
         rested: impl FnOnce() -> bool,
         vision: &Vision,
     ) {
-        self.density = vision.observer.fundamentals.density().into_iter().fold(0.0, f64::max);
+        if self.ledger.bounds().is_empty() {
+            self.levels = vision.levels_bound();
+        }
         self.projected = !vision.returns_its_light();
         let ledger = &self.ledger;
         if ledger.bounds().is_empty() {
@@ -184,6 +202,7 @@ impl Plan {
             settled: so_far.settled | settled,
             followed: so_far.followed | followed,
             forgotten: so_far.forgotten.max(if settled { remembered } else { 0.0 }),
+            least: stats.least.into_iter().fold(so_far.least, f64::min),
             unseen,
             everywhere: so_far.everywhere.max(unseen).min(1.0),
             remembered: so_far.remembered.max(remembered),

@@ -7,13 +7,9 @@ use super::{Plan, PlanStats, growth};
 use crate::eye::pigment::{LEAST_KEPT, Model};
 use crate::kinetics::{Kinetics, Law};
 use crate::observer::directional;
-use crate::vision::level_bound;
 
 /// Largest relative error of a catch from light, weights and percept in single precision.
 const SINGLE_BOUND: f64 = 1e-5;
-
-/// The greatest change of p for a change of ln I: 1/e (numerics 5.5).
-const PER_LOG_LIGHT: f64 = 0.3679;
 
 /// One reduction of the full model.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,7 +73,7 @@ impl Plan {
         if let Model::Tracked { .. } = asked {
             terms.push(self.following(asked, pigments));
         }
-        terms.extend(self.seeing());
+        terms.extend(self.seeing(pigments));
         terms
     }
 
@@ -160,12 +156,16 @@ impl Plan {
         }
     }
 
-    /// What the shape of the percept's sums costs.
-    fn seeing(&self) -> [Term; 3] {
+    /// What the shape of the sums of light and percept costs.
+    ///
+    /// An error e of ln I moves ln p by at most e (1 + ln 1/p): with u = ln p, w = du/d ln I obeys
+    /// |w|' <= -u' + (1 - |w|)/(p tau), and -u integrates to ln 1/p.
+    fn seeing(&self, pigments: &[Kinetics; 3]) -> [Term; 3] {
+        let per_log_light = growth(pigments) * (1.0 - self.stats.least.ln());
         let stepped = self.stats.stepped || !self.is_free();
-        let term = |what, bound, chosen, why: &str| Term {
+        let term = |what, bound: Option<f64>, chosen, why: &str| Term {
             what,
-            bound: Some(bound),
+            bound: bound.filter(|bound| bound.is_finite()),
             chosen,
             why: if chosen { why.into() } else { "the light is returned as it came".into() },
         };
@@ -173,19 +173,19 @@ impl Plan {
         [
             term(
                 "pigment read at a few levels of p",
-                level_bound(self.density),
+                self.levels,
                 stepped,
                 "a few sums instead of every nanometre",
             ),
             term(
                 "Stiles-Crawford weight by levels",
-                PER_LOG_LIGHT * levels,
+                Some(per_log_light * levels),
                 stepped,
                 "the light is projected once for any pupil",
             ),
             term(
                 "single precision of light and percept",
-                SINGLE_BOUND,
+                Some(SINGLE_BOUND),
                 stepped || self.projected,
                 "the files hold no more",
             ),
