@@ -58,6 +58,7 @@
 //! | [`step`] | the methods, as pure functions with a row of theory each | one function and one row of [`step::METHODS`] |
 //! | [`kernel`] | loops on plain arrays: the only room where speed is written, and `unsafe` allowed | |
 //! | [`vision`] | one linear operator: projections of light, illuminance, catches; the scalar truth | |
+//! | [`optics`] | light scattered in the eye: point spread functions, their Gaussians on a pyramid, the certificate | a function: a variant of [`optics::Psf`] |
 //! | [`eye`] | the core: an eye in time, its stages, retina, plan and check | a stage: its file, a line in `stages.rs`, its keys |
 //! | [`display`] | tone reproduction, gamut, encoding | |
 //! | [`frames`] | files in and out, the built-in scene | a format: a file with a `FORMAT`, and two lines in `frames/mod.rs` |
@@ -82,8 +83,8 @@
 //! * A plan promises only what its bound covers.
 //! * Memory does not grow with the number of frames, and a look allocates only where the retina
 //!   grows. Files appear whole or not at all.
-//! * Below [`eye`] nothing loops over pixels but [`kernel`]; below [`frames`] nothing touches a
-//!   file.
+//! * Below [`eye`] nothing loops over pixels but [`kernel`] and [`optics`]; below [`frames`] nothing
+//!   touches a file.
 //! * `exr` and `image` are named in [`frames`] only, `zeno` and `ttf-parser` in `plot` only, `toml`
 //!   in [`config`] only, `clap` in the program only.
 //! * The library never prints, never exits, and never unwraps what a user gave.
@@ -111,6 +112,7 @@ pub mod kernel;
 pub mod kinetics;
 pub mod light;
 pub mod observer;
+pub mod optics;
 #[doc = include_str!("paper.md")]
 pub mod paper {}
 pub mod page;

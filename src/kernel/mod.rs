@@ -97,6 +97,6 @@ fn prefetch<T>(sample: *const T) {
 }
 
 /// Runs a loop compiled for the best that this processor has.
-fn vectorised<Loop: pulp::WithSimd>(work: Loop) -> Loop::Output {
+pub(crate) fn vectorised<Loop: pulp::WithSimd>(work: Loop) -> Loop::Output {
     pulp::Arch::new().dispatch(work)
 }

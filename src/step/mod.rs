@@ -19,7 +19,7 @@ mod exponential;
 mod implicit;
 mod ramp;
 mod rosenbrock;
-mod special;
+pub(crate) mod special;
 
 pub use adaptive::{Adaptive, dormand_prince};
 pub use drive::Drive;

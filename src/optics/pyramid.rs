@@ -1,0 +1,248 @@
+//! The pyramid: K s, the light that the places of a picture send each other.
+//!
+//! ```text
+//! up      light_0 = s, light_(l+1) = reduce light_l
+//! down    veil_l = sum over Gaussians of level l: w_j blur_j light_l + expand veil_(l+1)             K s = veil_0
+//! ```
+//!
+//! Expanding is the transpose of reducing, so K is symmetric: no light is lost or made. All planes of a level are done
+//! in one pass, rows by any number of threads. Beyond the picture is nothing, and the margins of the levels hold all
+//! that filters spread there: the kernel is the same up to the border.
+
+use rayon::prelude::*;
+
+use super::gaussians::Gaussians;
+use super::levels::{Depth, LONGEST, Placed};
+use super::rows::{Around, BAND, Blur, EXPANDING, Exchange, Expand, Reduce, Taps, guarded, reducing};
+use super::shape::{MARGIN, Shape};
+use super::whole::Whole;
+use crate::kernel::vectorised;
+use crate::light::{Planes, Row, Samples};
+
+/// Samples that are worth another thread.
+const WORTHWHILE: usize = 1 << 15;
+
+/// One level: light going up, veil coming down.
+#[derive(Clone, Debug)]
+struct Level {
+    shape: Shape,
+    gaussians: Vec<Taps>,
+    light: Vec<f32>,
+    veil: Vec<f32>,
+}
+
+/// Levels for pictures of one size, and what is left for the whole picture.
+#[derive(Clone, Debug)]
+pub(super) struct Pyramid {
+    levels: Vec<Level>,
+    whole: Whole,
+}
+
+/// What becomes of a row of the picture: its number, its light and its veil, all planes.
+trait Finish: Fn(usize, &[f32], &[f32], &mut [f32]) + Sync {}
+impl<F: Fn(usize, &[f32], &[f32], &mut [f32]) + Sync> Finish for F {}
+
+impl Pyramid {
+    /// The pyramid of a sum of Gaussians, for `count` planes.
+    pub fn new(sum: &Gaussians, depth: &Depth, [width, height]: [usize; 2], count: usize) -> Pyramid {
+        let placed = depth.place(sum);
+        let top = placed.iter().map(|gaussian| gaussian.level).max().unwrap_or(0);
+        let mut shape = Shape::new(width, height, count);
+        let mut levels = Vec::new();
+        for level in 0..=top {
+            let gaussians = placed.iter().filter(|g| g.level == level).map(taps).collect();
+            let veil = vec![0.0; if level == 0 { 0 } else { shape.samples() }];
+            levels.push(Level { shape, gaussians, light: vec![0.0; shape.samples()], veil });
+            shape = shape.halved();
+        }
+        Pyramid { levels, whole: Whole::new(sum, top) }
+    }
+
+    /// How many planes it is made for.
+    pub fn count(&self) -> usize {
+        self.levels[0].shape.count
+    }
+
+    /// Levels, the picture's own included.
+    pub fn height(&self) -> usize {
+        self.levels.len()
+    }
+
+    /// The veil of a picture that is the same everywhere, of one plane: K 1.
+    pub fn of_ones(&mut self) -> Vec<f32> {
+        let Shape { width, height, .. } = self.levels[0].shape;
+        let ones = Planes { samples: Samples::Float(vec![1.0; width * height]), ..Planes::float(width, height, 1) };
+        let mut veil = vec![0.0; width * height];
+        self.climb(&ones);
+        self.descend(&mut veil, |_, _, veil, out| out.copy_from_slice(&veil[MARGIN..][..width]));
+        veil
+    }
+
+    /// The light on the retina: `kept` and `beyond` as [`Exchange`] has them, `beyond` for each plane.
+    pub fn exchange(&mut self, s: &Planes, kept: &[f32], beyond: &[Option<(f32, f32)>], out: &mut [f32]) {
+        let Shape { width, plane, .. } = self.levels[0].shape;
+        self.climb(s);
+        self.descend(out, |y, light, veil, out| {
+            let kept = &kept[y * width..][..width];
+            for ((i, out), &beyond) in out.chunks_exact_mut(width).enumerate().zip(beyond) {
+                let run = i * plane + MARGIN..i * plane + MARGIN + width;
+                let (light, veil) = (&light[run.clone()], &veil[run]);
+                vectorised(Exchange { light, veil, kept, beyond, out });
+            }
+        });
+    }
+
+    /// Up: the picture's light on every level.
+    fn climb(&mut self, s: &Planes) {
+        let Level { shape, light, .. } = &mut self.levels[0];
+        let Shape { width, height, count, plane, stride } = *shape;
+        debug_assert_eq!([s.width, s.height, s.count], [width, height, count]);
+        let rows = light[MARGIN * stride..][..height * stride].par_chunks_exact_mut(stride);
+        rows.with_min_len(WORTHWHILE.div_ceil(stride)).enumerate().for_each(|(y, row)| {
+            for (i, out) in row.chunks_exact_mut(plane).enumerate() {
+                let (run, out) = (i * width..(i + 1) * width, &mut out[MARGIN..][..width]);
+                match s.row(y) {
+                    Row::Float(samples) => out.copy_from_slice(&samples[run]),
+                    Row::Half(samples) => crate::kernel::widen(&samples[run], out),
+                }
+            }
+        });
+        for level in 1..self.levels.len() {
+            let (finer, coarser) = self.levels.split_at_mut(level);
+            reduce(&finer[level - 1], &mut coarser[0]);
+        }
+    }
+
+    /// Down: the veil of every level, to the rows of the picture.
+    fn descend(&mut self, out: &mut [f32], finish: impl Finish) {
+        let top = &self.levels[self.levels.len() - 1];
+        let whole = self.whole.over(&top.light, &top.shape);
+        for level in (1..self.levels.len()).rev() {
+
+            let (finer, coarser) = self.levels.split_at_mut(level + 1);
+            let (last, Level { shape, gaussians, light, veil }) = (coarser.first(), &mut finer[level]);
+            let down = Down { shape, gaussians, light, coarser: last };
+            let bands = veil.par_chunks_mut(BAND * shape.stride);
+            let bands = bands.with_min_len(WORTHWHILE.div_ceil(BAND * shape.stride)).enumerate();
+            bands.for_each_init(
+                || down.room(),
+                |room, (i, band)| {
+                    down.band(BAND * i, room, band);
+                    if last.is_none() {
+                        whole.add(BAND * i, shape, band);
+                    }
+                },
+            );
+        }
+       let coarser = self.levels.get(1);
+        let Level { shape, gaussians, light, .. } = &self.levels[0];
+        let down = Down { shape, gaussians, light, coarser };
+        let samples = BAND * shape.width * shape.count;
+        let bands = out.par_chunks_mut(samples).with_min_len(WORTHWHILE.div_ceil(samples)).enumerate();
+        bands.for_each_init(
+            || (down.room(), vec![0.0; BAND * shape.stride]),
+            |(room, veil), (i, out)| {
+                let rows = out.len() / (shape.width * shape.count);
+                let veil = &mut veil[..rows * shape.stride];
+                down.band(MARGIN + BAND * i, room, veil);
+                if coarser.is_none() {
+                    whole.add(MARGIN + BAND * i, shape, veil);
+                }
+                for (j, out) in out.chunks_exact_mut(shape.width * shape.count).enumerate() {
+                    let (y, stride) = (BAND * i + j, shape.stride);
+                    finish(y, &light[(y + MARGIN) * stride..][..stride], &veil[j * stride..][..stride], out);
+                }
+            },
+        );
+    }
+}
+
+/// A Gaussian as the loops take it.
+fn taps(gaussian: &Placed) -> Taps {
+    Taps {
+        down: gaussian.taps.iter().map(|tap| *tap as f32).collect(),
+        along: gaussian.taps.iter().map(|tap| (gaussian.weight * tap) as f32).collect(),
+    }
+}
+
+/// The light of a coarser level.
+fn reduce(finer: &Level, coarser: &mut Level) {
+    let (fine, coarse) = (&finer.shape, coarser.shape);
+    let zeros = vec![0.0; fine.plane];
+    let rows = coarser.light.par_chunks_exact_mut(coarse.stride);
+    let rows = rows.with_min_len(WORTHWHILE.div_ceil(4 * coarse.stride)).enumerate();
+    rows.for_each_init(
+        || vec![0.0; reducing(fine.plane, coarse.plane)],
+        |room, (y, out)| {
+            for (i, out) in out[..coarse.count * coarse.plane].chunks_exact_mut(coarse.plane).enumerate() {
+                // Row y of the coarser level lies on row 2 y of the finer one, both without their margins.
+                let rows = [0, 1, 2, 3, 4, 5, 6].map(|k: usize| {
+                    let row = (2 * y + k).checked_sub(MARGIN + 3).filter(|row| *row < fine.rows());
+                    row.map_or(&zeros[..], |row| &finer.light[row * fine.stride + i * fine.plane..][..fine.plane])
+                });
+                vectorised(Reduce { rows, room, out });
+            }
+        },
+    );
+}
+
+/// Where the veil of a level comes from.
+struct Down<'a> {
+    shape: &'a Shape,
+    gaussians: &'a [Taps],
+    light: &'a [f32],
+    coarser: Option<&'a Level>,
+}
+
+/// What a thread works in.
+struct Room {
+    between: Vec<f32>,
+    half: Vec<f32>,
+    zeros: Vec<f32>,
+}
+
+impl Down<'_> {
+    fn room(&self) -> Room {
+        let plane = self.shape.plane;
+        Room {
+            between: vec![0.0; self.gaussians.len() * BAND * guarded(plane)],
+            half: vec![0.0; plane / 2 + EXPANDING],
+            zeros: vec![0.0; plane],
+        }
+    }
+
+    /// The veil of a band that begins at `row`, counted from the margin; whole rows.
+    fn band(&self, row: usize, room: &mut Room, out: &mut [f32]) {
+        if self.gaussians.is_empty() {
+            out.fill(0.0);
+        }
+        for plane in 0..self.shape.count {
+            if !self.gaussians.is_empty() {
+                self.blur(row, plane, room, out);
+            }
+            for (i, out) in out.chunks_exact_mut(self.shape.stride).enumerate() {
+                self.expand(row + i, plane, room, out);
+            }
+        }
+    }
+
+    fn blur(&self, row: usize, plane: usize, room: &mut Room, out: &mut [f32]) {
+        let Shape { plane: width, stride, .. } = *self.shape;
+        let (from, rows, zeros) = (plane * width, self.shape.rows(), &room.zeros);
+        let rows: Around = std::array::from_fn(|i| {
+            let row = (row + i).checked_sub(LONGEST).filter(|row| *row < rows);
+            row.map_or(&zeros[..], |row| &self.light[row * stride + from..][..width])
+        });
+        let (gaussians, between) = (self.gaussians, &mut room.between);
+        vectorised(Blur { rows: &rows, gaussians, between, out, stride, from, width });
+    }
+
+    fn expand(&self, row: usize, plane: usize, room: &mut Room, out: &mut [f32]) {
+        let Some(Level { shape, veil, .. }) = self.coarser else { return };
+        // Row 2 i of this level lies on row i of the coarser one, both without their margins.
+        let first = (row + MARGIN) / 2 - 1;
+        let rows = [0, 1, 2, 3].map(|i| &veil[(first + i) * shape.stride + plane * shape.plane..][..shape.plane]);
+        let out = &mut out[plane * self.shape.plane..][..self.shape.plane];
+        vectorised(Expand { rows, odd: row % 2 == 1, room: &mut room.half, out });
+    }
+}

@@ -1,0 +1,44 @@
+//! How a level of the pyramid lies in memory.
+
+use super::rows::BLOCK;
+
+/// Samples around a picture that carry light on coarser levels. The binomial filter reaches three; four keep even
+/// places even.
+pub(super) const MARGIN: usize = 4;
+
+/// Floats of a cache line.
+const LINE: usize = 16;
+
+/// Rows of `count` planes, with a margin around each plane. Column `x` of plane `i` in row `y` is sample
+/// `(y + MARGIN) * stride + i * plane + MARGIN + x`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Shape {
+    pub width: usize,
+    pub height: usize,
+    pub count: usize,
+    /// Samples of a plane in one row, the rest zeros: whole blocks.
+    pub plane: usize,
+    /// Samples of a row. An odd number of lines: columns of rows share no set of the cache.
+    pub stride: usize,
+}
+
+impl Shape {
+    pub fn new(width: usize, height: usize, count: usize) -> Shape {
+        let plane = (width + 2 * MARGIN).next_multiple_of(BLOCK);
+        Shape { width, height, count, plane, stride: count * plane + LINE }
+    }
+
+    /// The next coarser level.
+    pub fn halved(&self) -> Shape {
+        Shape::new(self.width.div_ceil(2), self.height.div_ceil(2), self.count)
+    }
+
+    /// Rows with the margins.
+    pub fn rows(&self) -> usize {
+        self.height + 2 * MARGIN
+    }
+
+    pub fn samples(&self) -> usize {
+        self.rows() * self.stride
+    }
+}
