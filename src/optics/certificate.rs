@@ -27,7 +27,11 @@ struct Run {
 
 impl Run {
     fn at(&self, i: i64) -> f64 {
-        usize::try_from(i - self.start).ok().and_then(|i| self.values.get(i)).copied().unwrap_or(0.0)
+        usize::try_from(i - self.start)
+            .ok()
+            .and_then(|i| self.values.get(i))
+            .copied()
+            .unwrap_or(0.0)
     }
 
     fn end(&self) -> i64 {
@@ -39,21 +43,26 @@ impl Run {
     }
 
     fn reduced(&self) -> Run {
-        let value = |i: i64| (-HALF..=HALF).map(|k| BINOMIAL[k.unsigned_abs() as usize] * self.at(2 * i + k)).sum();
+        let value = |i: i64| {
+            (-HALF..=HALF).map(|k| BINOMIAL[k.unsigned_abs() as usize] * self.at(2 * i + k)).sum()
+        };
         Run::over((self.start - HALF).div_euclid(2), (self.end() + HALF).div_euclid(2) + 1, value)
     }
 
     fn expanded(&self) -> Run {
         let taps = |f: i64| (-HALF..=HALF).filter(move |k| (f - k) % 2 == 0);
-        let value =
-            |f: i64| taps(f).map(|k| 2.0 * BINOMIAL[k.unsigned_abs() as usize] * self.at((f - k) / 2)).sum();
+        let value = |f: i64| {
+            taps(f).map(|k| 2.0 * BINOMIAL[k.unsigned_abs() as usize] * self.at((f - k) / 2)).sum()
+        };
         Run::over(2 * self.start - HALF, 2 * self.end() + HALF, value)
     }
 
     /// Through taps that are given from the middle on.
     fn blurred(&self, taps: &[f64]) -> Run {
         let radius = taps.len() as i64 - 1;
-        let value = |i: i64| (-radius..=radius).map(|k| taps[k.unsigned_abs() as usize] * self.at(i + k)).sum();
+        let value = |i: i64| {
+            (-radius..=radius).map(|k| taps[k.unsigned_abs() as usize] * self.at(i + k)).sum()
+        };
         Run::over(self.start - radius, self.end() + radius, value)
     }
 }
@@ -69,7 +78,8 @@ fn table(placed: &Placed, sigma: f64) -> Vec<f64> {
         for at in run.start..run.end() {
             let distance = (at - phase).unsigned_abs() as usize;
             errors.resize(errors.len().max(distance + 1), 0.0);
-            errors[distance] = errors[distance].max((run.at(at) - sampled(sigma, distance as f64)).abs());
+            errors[distance] =
+                errors[distance].max((run.at(at) - sampled(sigma, distance as f64)).abs());
         }
     }
     errors
@@ -89,9 +99,14 @@ impl Profile {
         let sigma = node.sigma / stretch;
         let table = table(&Placed::new(sigma, level.min(SETTLED), depth.reach), sigma);
         let error = |from: usize, to: usize| {
-            let (from, to) = ((from as f64 / stretch) as usize, (to as f64 / stretch).ceil() as usize);
-            let within = table[from.min(table.len())..to.min(table.len())].iter().copied().fold(0.0, f64::max);
-            let beyond = if to > table.len() { sampled(sigma, from.max(table.len()) as f64) } else { 0.0 };
+            let (from, to) =
+                ((from as f64 / stretch) as usize, (to as f64 / stretch).ceil() as usize);
+            let within = table[from.min(table.len())..to.min(table.len())]
+                .iter()
+                .copied()
+                .fold(0.0, f64::max);
+            let beyond =
+                if to > table.len() { sampled(sigma, from.max(table.len()) as f64) } else { 0.0 };
             within.max(beyond) / stretch
         };
         Profile {
@@ -114,7 +129,8 @@ fn offsets(longest: usize) -> Vec<usize> {
 /// The largest relative error of the kernel at this depth, at any offset in a picture of this size.
 pub(super) fn certificate(sum: &Gaussians, depth: &Depth, [width, height]: [usize; 2]) -> f64 {
     let offsets = offsets(width.max(height));
-    let profiles: Vec<Profile> = sum.nodes.iter().map(|node| Profile::new(node, depth, &offsets)).collect();
+    let profiles: Vec<Profile> =
+        sum.nodes.iter().map(|node| Profile::new(node, depth, &offsets)).collect();
     let mut worst = 0.0f64;
     for i in 0..offsets.len() - 1 {
         for j in 0..=i {

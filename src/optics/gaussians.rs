@@ -57,9 +57,11 @@ impl Gaussians {
             _ => None,
         }));
         let quadratic = pixel * formula.quadratic * degrees * degrees;
-        let mut sum = Gaussians { nodes, constant: pixel * formula.constant, quadratic, quartic: 0.0 };
+        let mut sum =
+            Gaussians { nodes, constant: pixel * formula.constant, quadratic, quartic: 0.0 };
         for sigma in (count..count + WIDER).map(sigma) {
-            let (height, series) = (pixel * STEP * formula.mixture(sigma), 0.5 * (degrees / sigma).powi(2));
+            let (height, series) =
+                (pixel * STEP * formula.mixture(sigma), 0.5 * (degrees / sigma).powi(2));
             sum.constant += height;
             sum.quadratic -= height * series;
             sum.quartic += 0.5 * height * series * series;
@@ -101,7 +103,8 @@ impl Gaussians {
     /// The share of the light that goes to a pixel so far away in x and y: the truth of the pyramid.
     pub fn at(&self, x: f64, y: f64) -> f64 {
         let r2 = x * x + y * y;
-        let sum: f64 = self.nodes.iter().map(|n| n.weight * sampled(n.sigma, x) * sampled(n.sigma, y)).sum();
+        let sum: f64 =
+            self.nodes.iter().map(|n| n.weight * sampled(n.sigma, x) * sampled(n.sigma, y)).sum();
         sum + self.constant + self.quadratic * r2
     }
 }

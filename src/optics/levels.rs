@@ -48,7 +48,9 @@ impl Depth {
 
     /// A sum of Gaussians, each on its level.
     pub(super) fn place(&self, sum: &Gaussians) -> Vec<Placed> {
-        let place = |sigma: f64, weight: f64| Placed::new(sigma, self.level(sigma), self.reach).times(weight);
+        let place = |sigma: f64, weight: f64| {
+            Placed::new(sigma, self.level(sigma), self.reach).times(weight)
+        };
         sum.nodes.iter().map(|node| place(node.sigma, node.weight)).collect()
     }
 }

@@ -170,12 +170,15 @@ impl Optics {
             self.pyramid = Pyramid::new(&self.sum, &self.depth, self.size, s.count);
         }
         let straight = self.straight as f32;
-        let beyond: Vec<_> = (0..s.count).map(|i| beyond.map(|light| (straight, light[i]))).collect();
+        let beyond: Vec<_> =
+            (0..s.count).map(|i| beyond.map(|light| (straight, light[i]))).collect();
         let samples = match &mut out.samples {
             Samples::Float(samples) if samples.len() == s.width * s.height * s.count => samples,
             _ => {
                 *out = Planes::float(s.width, s.height, s.count);
-                let Samples::Float(samples) = &mut out.samples else { unreachable!("planes of floats") };
+                let Samples::Float(samples) = &mut out.samples else {
+                    unreachable!("planes of floats")
+                };
                 samples
             }
         };
@@ -204,7 +207,6 @@ impl Optics {
         (self.sum.nodes.len(), self.pyramid.height())
     }
 }
-
 
 #[cfg(test)]
 mod published;

@@ -93,7 +93,9 @@ impl Term {
     /// The term at an angle.
     fn at(&self, theta: f64) -> f64 {
         match *self {
-            Term::Bell { height, scale, n } => height * (1.0 + (theta / scale).powi(2)).powf(-0.5 * f64::from(n)),
+            Term::Bell { height, scale, n } => {
+                height * (1.0 + (theta / scale).powi(2)).powf(-0.5 * f64::from(n))
+            }
             Term::Power { factor, offset, n } => factor * (theta + offset).powi(-n),
             Term::Gaussian { height, sigma } => height * (-0.5 * (theta / sigma).powi(2)).exp(),
         }
@@ -110,7 +112,9 @@ impl Term {
             Term::Power { factor, offset, n } => {
                 // Gamma(n) is (n - 1)! and n at most 3.
                 let norm = 2f64.powi(n + 1) / (PI.sqrt() * f64::from((n - 1).max(1)));
-                norm * factor * lambda.powf(0.5 * f64::from(n)) * tail_integral(n, offset * lambda.sqrt())
+                norm * factor
+                    * lambda.powf(0.5 * f64::from(n))
+                    * tail_integral(n, offset * lambda.sqrt())
             }
             Term::Gaussian { .. } => 0.0,
         }
@@ -120,7 +124,9 @@ impl Term {
 impl Formula {
     /// The function at an angle, degrees: sr^-1.
     pub fn at(&self, theta: f64) -> f64 {
-        self.terms.iter().map(|term| term.at(theta)).sum::<f64>() + self.constant + self.quadratic * theta * theta
+        self.terms.iter().map(|term| term.at(theta)).sum::<f64>()
+            + self.constant
+            + self.quadratic * theta * theta
     }
 
     /// Height of the mixture's Gaussians of this sigma, degrees, per unit of ln sigma: sr^-1.
@@ -138,7 +144,10 @@ impl Psf {
             Psf::CieGeneral => cie_general(age, pigmentation),
             Psf::StilesHolladay => {
                 let factor = 10.0 * (1.0 + (age / 70.0).powi(4));
-                Formula { terms: vec![Term::Power { factor, offset: 0.0, n: 2 }], ..Formula::default() }
+                Formula {
+                    terms: vec![Term::Power { factor, offset: 0.0, n: 2 }],
+                    ..Formula::default()
+                }
             }
             Psf::Spencer => spencer(),
             Psf::Ijspeert => ijspeert(age, pigmentation),

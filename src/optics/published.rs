@@ -4,7 +4,7 @@ use std::f64::consts::{LN_2, PI};
 
 use super::gaussians::Gaussians;
 use super::psf::{Formula, Psf, Term, ijspeert_terms};
-use super::{Scatter, DEPTHS};
+use super::{DEPTHS, Scatter};
 use crate::step::special::erfcx;
 
 fn near(found: f64, expected: f64, tolerance: f64) {
@@ -86,7 +86,11 @@ fn the_cie_total_equation_has_its_published_values() {
     ];
     for [t, values @ ..] in table {
         for (i, expected) in values.into_iter().enumerate() {
-            near(cie([20.0, 40.0, 60.0, 80.0][i % 4], [0.0, 0.5, 1.0][i / 4]).at(t), expected, 1e-3);
+            near(
+                cie([20.0, 40.0, 60.0, 80.0][i % 4], [0.0, 0.5, 1.0][i / 4]).at(t),
+                expected,
+                1e-3,
+            );
         }
     }
 }
@@ -126,7 +130,9 @@ fn the_other_functions_have_their_published_values() {
     let holladay = |age| Psf::StilesHolladay.formula(age, 0.5).at(10.0);
     near(holladay(0.0), 0.1, 1e-12);
     near(holladay(70.0), 0.2, 1e-12);
-    for (t, expected) in [(0.1, 6478.0), (0.3, 403.0), (1.0, 19.02), (3.0, 1.458), (10.0, 0.109), (30.0, 0.0115)] {
+    for (t, expected) in
+        [(0.1, 6478.0), (0.3, 403.0), (1.0, 19.02), (3.0, 1.458), (10.0, 0.109), (30.0, 0.0115)]
+    {
         near(Psf::Spencer.formula(30.0, 0.5).at(t), expected, 5e-3);
     }
     near(hemisphere(|t| Psf::Spencer.formula(30.0, 0.5).at(t)), 0.9996, 1e-4);
@@ -139,7 +145,10 @@ fn the_total_equation_stays_near_the_general_one() {
             for t in [1.0, 2.0, 5.0, 10.0, 20.0, 30.0] {
                 let general = Psf::CieGeneral.formula(age, pigmentation).at(t);
                 let ratio = cie(age, pigmentation).at(t) / general;
-                assert!((0.7..1.3).contains(&ratio), "{ratio} at {t} degrees, age {age}, {pigmentation}");
+                assert!(
+                    (0.7..1.3).contains(&ratio),
+                    "{ratio} at {t} degrees, age {age}, {pigmentation}"
+                );
             }
         }
     }
@@ -148,7 +157,8 @@ fn the_total_equation_stays_near_the_general_one() {
 #[test]
 fn ijspeerts_terms_are_the_published_ones() {
     let terms = ijspeert_terms(30.0, 0.5, 3.0);
-    let expected = [(0.47411, 7.78175e-5), (0.41670, 9.98230e-4), (0.01521, 0.0867816), (0.09398, 1.0)];
+    let expected =
+        [(0.47411, 7.78175e-5), (0.41670, 9.98230e-4), (0.01521, 0.0867816), (0.09398, 1.0)];
     for ((weight, beta), (weight_as_printed, beta_as_printed)) in terms.into_iter().zip(expected) {
         assert!((weight - weight_as_printed).abs() < 1e-5);
         near(beta, beta_as_printed, 1e-5);
@@ -156,7 +166,8 @@ fn ijspeerts_terms_are_the_published_ones() {
     for pupil in [2.0, 3.0, 6.0] {
         let spherical = |t: f64| {
             let (sin, cos) = t.to_radians().sin_cos();
-            let term = |(c, b): (f64, f64)| c * b / (2.0 * PI * (sin * sin + b * b * cos * cos).powf(1.5));
+            let term =
+                |(c, b): (f64, f64)| c * b / (2.0 * PI * (sin * sin + b * b * cos * cos).powf(1.5));
             ijspeert_terms(30.0, 0.5, pupil).into_iter().map(term).sum()
         };
         near(hemisphere(spherical), 1.0, 1e-4);
@@ -237,7 +248,10 @@ fn the_sum_of_gaussians_is_the_function_beyond_its_core() {
             let sum = scatter.gaussians(degrees, 46.0 / degrees);
             for t in [0.225, 0.4, 1.0, 3.0, 10.0, 20.0, 30.0, 45.0] {
                 let found = sum.density(t / degrees) / degrees.to_radians().powi(2);
-                assert!((found / scatter.psf(t) - 1.0).abs() < 1e-3, "{name} at {t} degrees: {found}");
+                assert!(
+                    (found / scatter.psf(t) - 1.0).abs() < 1e-3,
+                    "{name} at {t} degrees: {found}"
+                );
             }
         }
     }

@@ -13,7 +13,9 @@ use rayon::prelude::*;
 
 use super::gaussians::Gaussians;
 use super::levels::{Depth, LONGEST, Placed};
-use super::rows::{Around, BAND, Blur, EXPANDING, Exchange, Expand, Reduce, Taps, guarded, reducing};
+use super::rows::{
+    Around, BAND, Blur, EXPANDING, Exchange, Expand, Reduce, Taps, guarded, reducing,
+};
 use super::shape::{MARGIN, Shape};
 use super::whole::Whole;
 use crate::kernel::vectorised;
@@ -44,7 +46,12 @@ impl<F: Fn(usize, &[f32], &[f32], &mut [f32]) + Sync> Finish for F {}
 
 impl Pyramid {
     /// The pyramid of a sum of Gaussians, for `count` planes.
-    pub fn new(sum: &Gaussians, depth: &Depth, [width, height]: [usize; 2], count: usize) -> Pyramid {
+    pub fn new(
+        sum: &Gaussians,
+        depth: &Depth,
+        [width, height]: [usize; 2],
+        count: usize,
+    ) -> Pyramid {
         let placed = depth.place(sum);
         let top = placed.iter().map(|gaussian| gaussian.level).max().unwrap_or(0);
         let mut shape = Shape::new(width, height, count);
@@ -71,7 +78,10 @@ impl Pyramid {
     /// The veil of a picture that is the same everywhere, of one plane: K 1.
     pub fn of_ones(&mut self) -> Vec<f32> {
         let Shape { width, height, .. } = self.levels[0].shape;
-        let ones = Planes { samples: Samples::Float(vec![1.0; width * height]), ..Planes::float(width, height, 1) };
+        let ones = Planes {
+            samples: Samples::Float(vec![1.0; width * height]),
+            ..Planes::float(width, height, 1)
+        };
         let mut veil = vec![0.0; width * height];
         self.climb(&ones);
         self.descend(&mut veil, |_, _, veil, out| out.copy_from_slice(&veil[MARGIN..][..width]));
@@ -79,7 +89,13 @@ impl Pyramid {
     }
 
     /// The light on the retina: `kept` and `beyond` as [`Exchange`] has them, `beyond` for each plane.
-    pub fn exchange(&mut self, s: &Planes, kept: &[f32], beyond: &[Option<(f32, f32)>], out: &mut [f32]) {
+    pub fn exchange(
+        &mut self,
+        s: &Planes,
+        kept: &[f32],
+        beyond: &[Option<(f32, f32)>],
+        out: &mut [f32],
+    ) {
         let Shape { width, plane, .. } = self.levels[0].shape;
         self.climb(s);
         self.descend(out, |y, light, veil, out| {
@@ -103,7 +119,7 @@ impl Pyramid {
                 let (run, out) = (i * width..(i + 1) * width, &mut out[MARGIN..][..width]);
                 match s.row(y) {
                     Row::Float(samples) => out.copy_from_slice(&samples[run]),
-                    Row::Half(samples) => crate::kernel::widen(&samples[run], out),
+                    Row::Half(samples) => crate::light::widen(&samples[run], out),
                 }
             }
         });
@@ -118,9 +134,9 @@ impl Pyramid {
         let top = &self.levels[self.levels.len() - 1];
         let whole = self.whole.over(&top.light, &top.shape);
         for level in (1..self.levels.len()).rev() {
-
             let (finer, coarser) = self.levels.split_at_mut(level + 1);
-            let (last, Level { shape, gaussians, light, veil }) = (coarser.first(), &mut finer[level]);
+            let (last, Level { shape, gaussians, light, veil }) =
+                (coarser.first(), &mut finer[level]);
             let down = Down { shape, gaussians, light, coarser: last };
             let bands = veil.par_chunks_mut(BAND * shape.stride);
             let bands = bands.with_min_len(WORTHWHILE.div_ceil(BAND * shape.stride)).enumerate();
@@ -134,11 +150,12 @@ impl Pyramid {
                 },
             );
         }
-       let coarser = self.levels.get(1);
+        let coarser = self.levels.get(1);
         let Level { shape, gaussians, light, .. } = &self.levels[0];
         let down = Down { shape, gaussians, light, coarser };
         let samples = BAND * shape.width * shape.count;
-        let bands = out.par_chunks_mut(samples).with_min_len(WORTHWHILE.div_ceil(samples)).enumerate();
+        let bands =
+            out.par_chunks_mut(samples).with_min_len(WORTHWHILE.div_ceil(samples)).enumerate();
         bands.for_each_init(
             || (down.room(), vec![0.0; BAND * shape.stride]),
             |(room, veil), (i, out)| {
@@ -150,7 +167,12 @@ impl Pyramid {
                 }
                 for (j, out) in out.chunks_exact_mut(shape.width * shape.count).enumerate() {
                     let (y, stride) = (BAND * i + j, shape.stride);
-                    finish(y, &light[(y + MARGIN) * stride..][..stride], &veil[j * stride..][..stride], out);
+                    finish(
+                        y,
+                        &light[(y + MARGIN) * stride..][..stride],
+                        &veil[j * stride..][..stride],
+                        out,
+                    );
                 }
             },
         );
@@ -174,11 +196,15 @@ fn reduce(finer: &Level, coarser: &mut Level) {
     rows.for_each_init(
         || vec![0.0; reducing(fine.plane, coarse.plane)],
         |room, (y, out)| {
-            for (i, out) in out[..coarse.count * coarse.plane].chunks_exact_mut(coarse.plane).enumerate() {
+            for (i, out) in
+                out[..coarse.count * coarse.plane].chunks_exact_mut(coarse.plane).enumerate()
+            {
                 // Row y of the coarser level lies on row 2 y of the finer one, both without their margins.
                 let rows = [0, 1, 2, 3, 4, 5, 6].map(|k: usize| {
                     let row = (2 * y + k).checked_sub(MARGIN + 3).filter(|row| *row < fine.rows());
-                    row.map_or(&zeros[..], |row| &finer.light[row * fine.stride + i * fine.plane..][..fine.plane])
+                    row.map_or(&zeros[..], |row| {
+                        &finer.light[row * fine.stride + i * fine.plane..][..fine.plane]
+                    })
                 });
                 vectorised(Reduce { rows, room, out });
             }
@@ -241,7 +267,8 @@ impl Down<'_> {
         let Some(Level { shape, veil, .. }) = self.coarser else { return };
         // Row 2 i of this level lies on row i of the coarser one, both without their margins.
         let first = (row + MARGIN) / 2 - 1;
-        let rows = [0, 1, 2, 3].map(|i| &veil[(first + i) * shape.stride + plane * shape.plane..][..shape.plane]);
+        let rows = [0, 1, 2, 3]
+            .map(|i| &veil[(first + i) * shape.stride + plane * shape.plane..][..shape.plane]);
         let out = &mut out[plane * self.shape.plane..][..self.shape.plane];
         vectorised(Expand { rows, odd: row % 2 == 1, room: &mut room.half, out });
     }

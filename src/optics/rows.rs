@@ -97,7 +97,12 @@ fn down<S: Simd>(simd: S, rows: &[&[f32]], from: usize, taps: &[f32], out: &mut 
         let at = from + 4 * S::F32_LANES * i;
         let mut sum = load::<S>(rows[middle], at).map(|v| simd.mul_f32s(first, v));
         for (j, &tap) in taps.iter().enumerate().skip(1) {
-            add(simd, &mut sum, tap, [load::<S>(rows[middle - j], at), load::<S>(rows[middle + j], at)]);
+            add(
+                simd,
+                &mut sum,
+                tap,
+                [load::<S>(rows[middle - j], at), load::<S>(rows[middle + j], at)],
+            );
         }
         out.copy_from_slice(&sum);
     }
@@ -105,7 +110,12 @@ fn down<S: Simd>(simd: S, rows: &[&[f32]], from: usize, taps: &[f32], out: &mut 
 
 /// Symmetric filters along guarded rows, one row a filter, added up.
 #[inline(always)]
-fn along<'a, S: Simd>(simd: S, gaussians: &[Taps], row: impl Fn(usize) -> &'a [f32], out: &mut [f32]) {
+fn along<'a, S: Simd>(
+    simd: S,
+    gaussians: &[Taps],
+    row: impl Fn(usize) -> &'a [f32],
+    out: &mut [f32],
+) {
     for (i, out) in S::as_mut_simd_f32s(out).0.chunks_exact_mut(4).enumerate() {
         let at = GUARD + 4 * S::F32_LANES * i;
         let mut sum = [simd.splat_f32s(0.0); 4];
@@ -123,7 +133,8 @@ fn along<'a, S: Simd>(simd: S, gaussians: &[Taps], row: impl Fn(usize) -> &'a [f
 }
 
 /// Taps of the binomial filter.
-const B: [f32; 4] = [BINOMIAL[0] as f32, BINOMIAL[1] as f32, BINOMIAL[2] as f32, BINOMIAL[3] as f32];
+const B: [f32; 4] =
+    [BINOMIAL[0] as f32, BINOMIAL[1] as f32, BINOMIAL[2] as f32, BINOMIAL[3] as f32];
 
 /// One row of a plane's coarser level from seven of its finer one.
 pub(super) struct Reduce<'a> {
@@ -187,7 +198,8 @@ impl WithSimd for Expand<'_> {
     fn with_simd<S: Simd>(self, _: S) {
         let Expand { rows: [a, b, c, d], odd, room, out } = self;
         // The transpose of the reduction, and twice it: what a row lost in number of samples it regains in light.
-        let taps = if odd { [B[3], B[1], B[1], B[3]] } else { [B[2], B[0], B[2], 0.0] }.map(|tap| 2.0 * tap);
+        let taps = if odd { [B[3], B[1], B[1], B[3]] } else { [B[2], B[0], B[2], 0.0] }
+            .map(|tap| 2.0 * tap);
         let length = (out.len() / 2 + EXPANDING).min(b.len());
         for (x, out) in room[..length].iter_mut().enumerate() {
             *out = taps[0] * a[x] + taps[1] * b[x] + taps[2] * c[x] + taps[3] * d[x];
@@ -238,7 +250,8 @@ mod tests {
     /// Runs a loop with this processor's vectors, and one by one.
     fn both(work: impl Fn(bool, &mut [f32], &mut [f32])) {
         let run = |scalar: bool| {
-            let (mut room, mut out) = (vec![0.0; 2 * BAND * guarded(2 * BLOCK)], vec![0.0; BAND * 3 * BLOCK]);
+            let (mut room, mut out) =
+                (vec![0.0; 2 * BAND * guarded(2 * BLOCK)], vec![0.0; BAND * 3 * BLOCK]);
             work(scalar, &mut room, &mut out);
             out
         };
@@ -255,12 +268,15 @@ mod tests {
     fn every_instruction_set_blurs_to_the_same_bits() {
         let (plane, width) = (noise(BAND * 16 * BLOCK), 2 * BLOCK);
         let rows: Around = std::array::from_fn(|i| &plane[37 * i..][..width]);
-        let taps = |n: usize, scale: f32| noise(n).iter().map(|tap| scale * tap).collect::<Vec<f32>>();
-        let gaussians =
-            [5, 33].map(|n| Taps { down: taps(n, 1e-4), along: taps(n, 1e-3) });
+        let taps =
+            |n: usize, scale: f32| noise(n).iter().map(|tap| scale * tap).collect::<Vec<f32>>();
+        let gaussians = [5, 33].map(|n| Taps { down: taps(n, 1e-4), along: taps(n, 1e-3) });
         both(|scalar, between, out| {
             let (stride, from) = (3 * BLOCK, BLOCK);
-            start(scalar, Blur { rows: &rows, gaussians: &gaussians, between, out, stride, from, width });
+            start(
+                scalar,
+                Blur { rows: &rows, gaussians: &gaussians, between, out, stride, from, width },
+            );
         });
     }
 
@@ -274,7 +290,15 @@ mod tests {
         for odd in [false, true] {
             both(|scalar, room, out| {
                 let rows = std::array::from_fn(|i| &plane[41 * i..][..BLOCK]);
-                start(scalar, Expand { rows, odd, room: &mut room[..BLOCK + EXPANDING], out: &mut out[..2 * BLOCK] });
+                start(
+                    scalar,
+                    Expand {
+                        rows,
+                        odd,
+                        room: &mut room[..BLOCK + EXPANDING],
+                        out: &mut out[..2 * BLOCK],
+                    },
+                );
             });
         }
     }

@@ -58,7 +58,10 @@ fn scene(noise: &mut Noise, [width, height]: [usize; 2], contrast: f64) -> Plane
     for _ in 0..noise.below(12) {
         light[noise.below(width * height)] = contrast.powf(noise.next()) as f32;
     }
-    let ([x, y], r) = ([noise.below(width), noise.below(height)].map(|v| v as f64), 1.0 + 0.1 * noise.next() * height as f64);
+    let ([x, y], r) = (
+        [noise.below(width), noise.below(height)].map(|v| v as f64),
+        1.0 + 0.1 * noise.next() * height as f64,
+    );
     for (i, light) in light.iter_mut().enumerate() {
         if ((i % width) as f64 - x).hypot((i / width) as f64 - y) < r {
             *light = contrast as f32;
@@ -70,7 +73,8 @@ fn scene(noise: &mut Noise, [width, height]: [usize; 2], contrast: f64) -> Plane
 /// r = s (1 - c) + K s by direct summation in f64 at some places, K the sum of Gaussians itself.
 fn direct(sum: &Gaussians, s: &Planes, places: &[[usize; 2]]) -> Vec<f64> {
     let (width, height) = (s.width, s.height);
-    let kernel: Vec<f64> = (0..width * height).map(|i| sum.at((i % width) as f64, (i / width) as f64)).collect();
+    let kernel: Vec<f64> =
+        (0..width * height).map(|i| sum.at((i % width) as f64, (i / width) as f64)).collect();
     let at = |[x, y]: [usize; 2]| {
         let (mut veil, mut all) = (0.0, 0.0);
         for v in 0..height {
@@ -102,10 +106,12 @@ fn error_and_bound(noise: &mut Noise, size: [usize; 2], places: usize) -> (f64, 
     };
     let contrast = 1e7f64.powf(noise.next());
     let s = scene(noise, size, contrast);
-    let places: Vec<[usize; 2]> = (0..places).map(|_| [noise.below(size[0]), noise.below(size[1])]).collect();
+    let places: Vec<[usize; 2]> =
+        (0..places).map(|_| [noise.below(size[0]), noise.below(size[1])]).collect();
     let sum = scatter.gaussians(degrees, (size[0] as f64).hypot(size[1] as f64));
     let (ours, truth) = (exchanged(&mut optics, &s, None), direct(&sum, &s, &places));
-    let error = |(place, truth): (&[usize; 2], &f64)| (ours.at(place[0], place[1], 0) / truth - 1.0).abs();
+    let error =
+        |(place, truth): (&[usize; 2], &f64)| (ours.at(place[0], place[1], 0) / truth - 1.0).abs();
     (places.iter().zip(&truth).map(error).fold(0.0, f64::max), optics.bound())
 }
 
@@ -129,7 +135,8 @@ fn the_error_stays_below_the_certificate_in_as_many_large_scenes_as_asked() {
     let scenes = std::env::var("OPTICS_SCENES").ok().and_then(|n| n.parse().ok()).unwrap_or(1);
     let mut noise = Noise(11);
     for case in 0..scenes {
-        let (error, bound) = error_and_bound(&mut noise, [480, 270], if scenes > 1 { 400 } else { 40 });
+        let (error, bound) =
+            error_and_bound(&mut noise, [480, 270], if scenes > 1 { 400 } else { 40 });
         assert!(error <= bound, "scene {case}: {error:e} above {bound:e}");
     }
 }
@@ -139,7 +146,8 @@ fn low_sun(width: usize, offset: f64) -> (Planes, f64) {
     let (height, degrees) = (width * 9 / 16, 8.0 / width as f64);
     let middle = |n: usize| (n as f64 - 1.0) / 2.0;
     let light = |x: usize, y: usize| {
-        let r = ((x as f64 - middle(width)) * degrees - offset).hypot((y as f64 - middle(height)) * degrees);
+        let r = ((x as f64 - middle(width)) * degrees - offset)
+            .hypot((y as f64 - middle(height)) * degrees);
         let sky = 200.0 + 1500.0 * (-r / 0.6).exp() + 1700.0 * (-r / 1.9).exp();
         if r < RADIUS { 6.2e5 } else { sky as f32 }
     };
@@ -156,14 +164,17 @@ fn disc(width: usize, offset: f64) -> (Planes, f64) {
         ((i as f64 - (n as f64 - 1.0) / 2.0) + (part as f64 + 0.5) / 8.0 - 0.5) * degrees
     };
     let light = |x: usize, y: usize| {
-        let inside = |part: &usize| (at(x, width, part % 8) - offset).hypot(at(y, height, part / 8)) < RADIUS;
+        let inside = |part: &usize| {
+            (at(x, width, part % 8) - offset).hypot(at(y, height, part / 8)) < RADIUS
+        };
         (0..64).filter(inside).count() as f32 / 64.0
     };
     (picture([width, height], light), degrees)
 }
 
 /// Published integrals of the CIE equation over a disc of 0.533 degrees (age 30, brown eyes), at degrees from its centre.
-const DISC: [(f64, f64); 4] = [(0.5, 1.2705e-2), (1.0, 1.3853e-3), (2.0, 2.0097e-4), (3.0, 7.0059e-5)];
+const DISC: [(f64, f64); 4] =
+    [(0.5, 1.2705e-2), (1.0, 1.3853e-3), (2.0, 2.0097e-4), (3.0, 7.0059e-5)];
 
 /// The veil in the middle row, degrees right of the picture's middle, between the columns by powers.
 fn veil_at(r: &Planes, degrees: f64, offset: f64, t: f64) -> f64 {
@@ -203,7 +214,8 @@ fn a_uniform_picture_is_unchanged() {
 fn no_light_is_lost_or_made() {
     let (s, degrees) = low_sun(240, 0.0);
     for (_, psf) in &PSFS[1..] {
-        let mut optics = optics(&Scatter { psf: *psf, ..cie() }, [s.width, s.height], degrees, 3e-3);
+        let mut optics =
+            optics(&Scatter { psf: *psf, ..cie() }, [s.width, s.height], degrees, 3e-3);
         let sum = |planes: &Planes| floats(planes).iter().map(|v| f64::from(*v)).sum::<f64>();
         let r = exchanged(&mut optics, &s, None);
         assert!((sum(&r) / sum(&s) - 1.0).abs() < 1e-6, "{psf:?}: {}", sum(&r) / sum(&s));
@@ -213,7 +225,8 @@ fn no_light_is_lost_or_made() {
 /// K s alone: r - s (1 - c).
 fn veil(optics: &mut Optics, s: &Planes) -> Vec<f64> {
     let r = exchanged(optics, s, None);
-    let veil = |((r, s), kept): ((&f32, &f32), &f32)| f64::from(*r) - f64::from(*s) * f64::from(*kept);
+    let veil =
+        |((r, s), kept): ((&f32, &f32), &f32)| f64::from(*r) - f64::from(*s) * f64::from(*kept);
     floats(&r).iter().zip(floats(s)).zip(optics.kept()).map(veil).collect()
 }
 
@@ -227,13 +240,17 @@ fn scatter_is_symmetric_and_linear_and_black_stays_black() {
         p
     });
     let (ka, kb) = (veil(&mut optics, &a), veil(&mut optics, &b));
-    let dot = |a: &Planes, k: &[f64]| floats(a).iter().zip(k).map(|(a, k)| f64::from(*a) * k).sum::<f64>();
+    let dot = |a: &Planes, k: &[f64]| {
+        floats(a).iter().zip(k).map(|(a, k)| f64::from(*a) * k).sum::<f64>()
+    };
     assert!((dot(&a, &kb) / dot(&b, &ka) - 1.0).abs() < 1e-6);
     let both = picture(size, |x, y| (2.0 * a.at(x, y, 0) + 3.0 * b.at(x, y, 0)) as f32);
     for ((both, a), b) in veil(&mut optics, &both).into_iter().zip(ka).zip(kb) {
         assert!((both / (2.0 * a + 3.0 * b) - 1.0).abs() < 3e-6);
     }
-    assert!(floats(&exchanged(&mut optics, &picture(size, |_, _| 0.0), None)).iter().all(|r| *r == 0.0));
+    assert!(
+        floats(&exchanged(&mut optics, &picture(size, |_, _| 0.0), None)).iter().all(|r| *r == 0.0)
+    );
 }
 
 #[test]
@@ -242,10 +259,14 @@ fn light_stays_between_its_least_and_greatest_and_reaches_every_place() {
     for _ in 0..100 {
         let size = [1 + noise.below(60), 1 + noise.below(60)];
         let psf = PSFS[1 + noise.below(5)].1;
-        let Some(mut optics) =
-            Optics::at_depth(&Scatter { psf, ..cie() }, size, 0.2 * noise.next() + 0.01, 1, DEPTHS[noise.below(4)])
-                .unwrap()
-        else {
+        let Some(mut optics) = Optics::at_depth(
+            &Scatter { psf, ..cie() },
+            size,
+            0.2 * noise.next() + 0.01,
+            1,
+            DEPTHS[noise.below(4)],
+        )
+        .unwrap() else {
             unreachable!("every function but none scatters")
         };
         let mut s = scene(&mut noise, size, 1e7);
@@ -253,7 +274,8 @@ fn light_stays_between_its_least_and_greatest_and_reaches_every_place() {
         if noise.next() < 0.5 {
             light.iter_mut().for_each(|v| *v = if *v < 30.0 { 0.0 } else { *v });
         }
-        let (least, most) = light.iter().fold((f32::MAX, 0.0f32), |(a, b), v| (a.min(*v), b.max(*v)));
+        let (least, most) =
+            light.iter().fold((f32::MAX, 0.0f32), |(a, b), v| (a.min(*v), b.max(*v)));
         let r = exchanged(&mut optics, &s, None);
         for r in floats(&r) {
             assert!(*r >= least * (1.0 - 2e-6) && *r <= most * (1.0 + 2e-6), "{least} {r} {most}");
@@ -269,7 +291,12 @@ fn negative_light_is_kept() {
     let mut optics = optics(&cie(), [s.width, s.height], degrees, 3e-3);
     let r = exchanged(&mut optics, &s, None);
     let opposite = picture([s.width, s.height], |x, y| -s.at(x, y, 0) as f32);
-    assert!(floats(&exchanged(&mut optics, &opposite, None)).iter().zip(floats(&r)).all(|(a, b)| *a == -*b));
+    assert!(
+        floats(&exchanged(&mut optics, &opposite, None))
+            .iter()
+            .zip(floats(&r))
+            .all(|(a, b)| *a == -*b)
+    );
 }
 
 #[test]
@@ -277,7 +304,9 @@ fn one_point_of_light_has_a_round_veil_wherever_it_lies() {
     let (scatter, degrees) = (cie(), 1.0 / 48.0);
     let mut optics = optics(&scatter, [256, 256], degrees, 3e-3);
     let sum = scatter.gaussians(degrees, 362.0);
-    for (least, most, radius) in [(0.9955, 1.0045, 4.0), (0.9985, 1.0015, 12.0), (0.9985, 1.0015, 48.0)] {
+    for (least, most, radius) in
+        [(0.9955, 1.0045, 4.0), (0.9985, 1.0015, 12.0), (0.9985, 1.0015, 48.0)]
+    {
         for phase in 0..8 {
             let [px, py] = [128 + phase, 128 + 3 * phase % 8];
             let s = picture([256, 256], |x, y| if [x, y] == [px, py] { 1.0 } else { 0.0 });
@@ -334,7 +363,9 @@ fn a_surround_like_the_picture_leaves_it_and_a_dark_one_takes_light_at_the_borde
 fn the_veil_of_the_sun_is_the_same_whatever_the_crop() {
     let at = |width: usize, height: usize| {
         let (degrees, middle) = (8.0 / 480.0, |n: usize| (n as f64 - 1.0) / 2.0);
-        let r = |x: usize, y: usize| (x as f64 - middle(width)).hypot(y as f64 - middle(height)) * degrees;
+        let r = |x: usize, y: usize| {
+            (x as f64 - middle(width)).hypot(y as f64 - middle(height)) * degrees
+        };
         let s = picture([width, height], |x, y| if r(x, y) < RADIUS { 6.2e5 } else { 0.0 });
         let r = exchanged(&mut optics(&cie(), [width, height], degrees, 3e-3), &s, None);
         veil_at(&r, degrees, 0.0, 2.0)
@@ -351,11 +382,15 @@ fn scatter_and_projection_commute() {
     let bands = Planes { width: 64, height: 36, count: 8, samples: Samples::Float(bands) };
     let weights: Vec<f64> = (0..8).map(|i| 0.2 + f64::from(i) * 0.1).collect();
     let projected = |planes: &Planes| {
-        picture(size, |x, y| weights.iter().enumerate().map(|(i, w)| w * planes.at(x, y, i)).sum::<f64>() as f32)
+        picture(size, |x, y| {
+            weights.iter().enumerate().map(|(i, w)| w * planes.at(x, y, i)).sum::<f64>() as f32
+        })
     };
     let mut optics = optics(&cie(), size, 0.1, 3e-3);
-    let [one, other] =
-        [projected(&exchanged(&mut optics, &bands, None)), exchanged(&mut optics, &projected(&bands), None)];
+    let [one, other] = [
+        projected(&exchanged(&mut optics, &bands, None)),
+        exchanged(&mut optics, &projected(&bands), None),
+    ];
     assert!(floats(&one).iter().zip(floats(&other)).all(|(a, b)| (a / b - 1.0).abs() < 1e-5));
 }
 
@@ -366,7 +401,8 @@ fn halves_are_scattered_like_the_floats_that_they_are() {
     let whole = Samples::Float(halves.iter().map(|h| h.to_f32()).collect());
     let planes = |samples| Planes { width: 50, height: 40, count: 3, samples };
     let mut optics = optics(&cie(), [50, 40], 0.05, 3e-3);
-    let [a, b] = [Samples::Half(halves), whole].map(|samples| exchanged(&mut optics, &planes(samples), None));
+    let [a, b] = [Samples::Half(halves), whole]
+        .map(|samples| exchanged(&mut optics, &planes(samples), None));
     assert_eq!(a, b);
 }
 
@@ -374,14 +410,18 @@ fn halves_are_scattered_like_the_floats_that_they_are() {
 fn straylight_is_a_factor_on_the_veil_and_what_would_scatter_all_light_is_refused() {
     let (s, degrees) = low_sun(120, 0.0);
     let size = [s.width, s.height];
-    let with = |straylight: f64| Optics::new(&Scatter { straylight, ..cie() }, size, degrees, 1, 3e-3);
+    let with =
+        |straylight: f64| Optics::new(&Scatter { straylight, ..cie() }, size, degrees, 1, 3e-3);
     let [mut one, mut two] = [1.0, 2.0].map(|straylight| with(straylight).unwrap().unwrap());
     for (one, two) in veil(&mut one, &s).into_iter().zip(veil(&mut two, &s)) {
         assert!((two / one / 2.0 - 1.0).abs() < 3e-6);
     }
     assert!(with(0.0).unwrap().is_none());
     let told = with(10.0).unwrap_err();
-    assert!(told.starts_with("found 10, which scatters") && told.contains("accepted: 0 to 2."), "{told}");
+    assert!(
+        told.starts_with("found 10, which scatters") && told.contains("accepted: 0 to 2."),
+        "{told}"
+    );
 }
 
 #[test]

@@ -61,7 +61,8 @@ impl Polynomials {
     pub fn add(&self, row: usize, shape: &Shape, out: &mut [f32]) {
         let Whole { constant, quadratic, .. } = self.whole;
         for (i, out) in out.chunks_exact_mut(shape.stride).enumerate() {
-            for (&[s0, sx, sy, s2], out) in self.sums.iter().zip(out.chunks_exact_mut(shape.plane)) {
+            for (&[s0, sx, sy, s2], out) in self.sums.iter().zip(out.chunks_exact_mut(shape.plane))
+            {
                 for (column, out) in out.iter_mut().enumerate() {
                     let [x, y] = self.whole.place(column, row + i);
                     let square = (x * x + y * y) * s0 - 2.0 * (x * sx + y * sy) + s2;
