@@ -1,7 +1,8 @@
 //! The certificate: a bound on the relative error of the pyramid's kernel, by enumeration.
 //!
-//! Every Gaussian's kernel in the pyramid is a product A(x, x') A(y, y') that repeats with period 2^level. So its
-//! distance from the Gaussian, e(d) = max over phases of |A - g|, is a finite table of one dimension, and in two
+//! Every Gaussian's kernel in the pyramid is a product A(x, x') A(y, y') that repeats with period
+//! 2^level. So its distance from the Gaussian, e(d) = max over phases of |A - g|, is a finite table
+//! of one dimension, and in two
 //!
 //! ```text
 //! |K - S| <= sum_j w_j (e_j(dx) g_j(dy) + g_j(dx) e_j(dy) + e_j(dx) e_j(dy)) + quartic r^4

@@ -1,8 +1,9 @@
 //! The sum of Gaussians that stands for a point spread function in a picture.
 //!
-//! The mixture over ln sigma ([`super::psf`]) is summed by the midpoint rule in steps of sqrt 2, which for a power
-//! theta^(-n) errs by 2 |Gamma(n/2 + i pi/h)|/Gamma(n/2), h = ln(2)/2: at most 3.4e-5. Gaussians narrower than the
-//! core stay in their pixel. Those wider than [`FAR`] diagonals are their Taylor series over the picture.
+//! The mixture over ln sigma ([`super::psf`]) is summed by the midpoint rule in steps of sqrt 2,
+//! which for a power theta^(-n) errs by 2 |Gamma(n/2 + i pi/h)|/Gamma(n/2), h = ln(2)/2: at most
+//! 3.4e-5. Gaussians narrower than the core stay in their pixel. Those wider than [`FAR`] diagonals
+//! are their Taylor series over the picture.
 
 use std::f64::consts::{LN_2, PI, SQRT_2};
 
@@ -11,14 +12,15 @@ use super::psf::{Formula, Term};
 /// Step of ln sigma.
 const STEP: f64 = 0.5 * LN_2;
 
-/// Widest Gaussian that is summed as one, in diagonals of the picture: u = theta^2/(2 sigma^2) is at most 1/32 for
-/// all wider ones, and e^(-u) within u^2/2 of 1 - u.
+/// Widest Gaussian that is summed as one, in diagonals of the picture: u = theta^2/(2 sigma^2) is
+/// at most 1/32 for all wider ones, and e^(-u) within u^2/2 of 1 - u.
 const FAR: f64 = 4.0;
 
 /// Wider Gaussians that are added to the series: sqrt(2)^200 diagonals are as good as all.
 const WIDER: usize = 200;
 
-/// The narrowest Gaussian of a retina's own image, degrees: below the first term of the CIE equation.
+/// The narrowest Gaussian of a retina's own image, degrees: below the first term of the CIE
+/// equation.
 const FINEST_DEG: f64 = 0.004;
 
 /// One Gaussian: standard deviation in pixels, and the share of the light that it spreads.
@@ -28,8 +30,8 @@ pub(super) struct Node {
     pub weight: f64,
 }
 
-/// A point spread function per pixel at a distance r in pixels: the Gaussians + `constant` + `quadratic` r^2, which
-/// is short of what it stands for by at most `quartic` r^4.
+/// A point spread function per pixel at a distance r in pixels: the Gaussians + `constant` +
+/// `quadratic` r^2, which is short of what it stands for by at most `quartic` r^4.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Gaussians {
     pub nodes: Vec<Node>,
@@ -39,8 +41,8 @@ pub(super) struct Gaussians {
 }
 
 impl Gaussians {
-    /// The Gaussians of a formula at least as wide as `core` degrees, for a picture of so many degrees a pixel and
-    /// pixels along its diagonal.
+    /// The Gaussians of a formula at least as wide as `core` degrees, for a picture of so many
+    /// degrees a pixel and pixels along its diagonal.
     pub fn new(formula: &Formula, core: f64, degrees: f64, diagonal: f64) -> Gaussians {
         let narrowest = core.max(0.5 * degrees).max(FINEST_DEG);
         let sigma = |j: usize| narrowest * (STEP * (j as f64 + 0.5)).exp();
@@ -100,7 +102,9 @@ impl Gaussians {
         self.nodes.iter().map(bell).sum::<f64>() + self.constant + self.quadratic * r * r
     }
 
-    /// The share of the light that goes to a pixel so far away in x and y: the truth of the pyramid.
+    #[cfg(test)]
+    /// The share of the light that goes to a pixel so far away in x and y: the truth of the
+    /// pyramid.
     pub fn at(&self, x: f64, y: f64) -> f64 {
         let r2 = x * x + y * y;
         let sum: f64 =

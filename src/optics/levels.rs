@@ -1,9 +1,10 @@
 //! Which level of the pyramid a Gaussian is on, and its taps there.
 //!
-//! A level is half as fine as the one before it: reduced by a binomial filter, and expanded by its transpose. The two
-//! filters of a level l have the variance (1 - 4^-l) and the fourth cumulant -(1 - 16^-l)/10 of the level's pixels.
-//! So the taps of a Gaussian have the rest of its variance, and the opposite cumulant: a Gaussian g of variance v
-//! times 1 + k/(24 v^2) He4, He4 = z^4 - 6 z^2 + 3 (the Gram-Charlier series).
+//! A level is half as fine as the one before it: reduced by a binomial filter, and expanded by its
+//! transpose. The two filters of a level l have the variance (1 - 4^-l) and the fourth cumulant -(1
+//! - 16^-l)/10 of the level's pixels. So the taps of a Gaussian have the rest of its variance, and
+//! the opposite cumulant: a Gaussian g of variance v times 1 + k/(24 v^2) He4, He4 = z^4 - 6 z^2 +
+//! 3 (the Gram-Charlier series).
 
 use super::gaussians::{Gaussians, sampled};
 
@@ -28,8 +29,8 @@ pub struct Depth {
     pub reach: f64,
 }
 
-/// Depths from the coarsest to the finest. A step of sqrt 2 moves every second Gaussian one level down: there is
-/// none between.
+/// Depths from the coarsest to the finest. A step of sqrt 2 moves every second Gaussian one level
+/// down: there is none between.
 pub const DEPTHS: [Depth; 4] = [
     Depth { low: 1.1, reach: 3.5 },
     Depth { low: 1.556, reach: 4.0 },

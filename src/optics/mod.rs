@@ -5,16 +5,17 @@
 //! r = s (1 - eta) + K s + L (eta - c),   eta = the share that is scattered         beyond it is the light L
 //! ```
 //!
-//! s is the picture, r the light on the retina, in the same units; K a point spread function ([`psf`]) without its core.
-//! What the eye spreads over less than the core stays in its place, for a picture is looked at by another eye, which
-//! blurs it again. With nothing known beyond the picture no light leaves it or comes in: a uniform picture is as it
-//! was, the sum of a picture too, and the veil of a light is the same whatever the crop.
+//! s is the picture, r the light on the retina, in the same units; K a point spread function
+//! ([`psf`]) without its core. What the eye spreads over less than the core stays in its place, for
+//! a picture is looked at by another eye, which blurs it again. With nothing known beyond the
+//! picture no light leaves it or comes in: a uniform picture is as it was, the sum of a picture
+//! too, and the veil of a light is the same whatever the crop.
 //!
-//! Scatter is the same for every wavelength (sources contradict each other; the CIE equations are for white light), so
-//! it may be done to planes of RGB, to projections of spectra or to bands.
+//! Scatter is the same for every wavelength (sources contradict each other; the CIE equations are
+//! for white light), so it may be done to planes of RGB, to projections of spectra or to bands.
 //!
-//! K is a sum of Gaussians on the levels of a pyramid. Its kernel is within a share of the sum that a certificate by
-//! enumeration proves, and all its weights are positive: the error of r is at most
+//! K is a sum of Gaussians on the levels of a pyramid. Its kernel is within a share of the sum that
+//! a certificate by enumeration proves, and all its weights are positive: the error of r is at most
 //! [`Optics::bound`] of r, at every place of every picture.
 
 mod certificate;
@@ -44,14 +45,16 @@ pub struct Scatter {
     pub age: f64,
     /// Of the eye: 0 very dark, 0.5 brown, 1 blue-green, 1.2 light blue.
     pub pigmentation: f64,
-    /// A person's scattered light over the norm's; individuals have 0.6 to 1.6, a cataract up to 10.
+    /// A person's scattered light over the norm's; individuals have 0.6 to 1.6, a cataract up to
+    /// 10.
     pub straylight: f64,
     /// What the eye spreads over less than this stays in its place, degrees.
     pub core_deg: f64,
 }
 
 impl Default for Scatter {
-    /// None; of the norm at 30 years, with brown eyes, outside of a core of 0.05 degrees, if it gets a function.
+    /// None; of the norm at 30 years, with brown eyes, outside of a core of 0.05 degrees, if it
+    /// gets a function.
     fn default() -> Self {
         Scatter { psf: Psf::None, age: 30.0, pigmentation: 0.5, straylight: 1.0, core_deg: 0.05 }
     }
@@ -61,7 +64,8 @@ impl Default for Scatter {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Draw {
-    /// The percept is of the light on the retina, veil and all: what an eye without scatter would have to look at.
+    /// The percept is of the light on the retina, veil and all: what an eye without scatter would
+    /// have to look at.
     #[default]
     Veiled,
     /// The veil bleaches but is not drawn: for compositors with a bloom of their own.
@@ -69,7 +73,8 @@ pub enum Draw {
 }
 
 impl Scatter {
-    /// The point spread function at an angle in degrees, sr^-1: light at a place over the light of the source.
+    /// The point spread function at an angle in degrees, sr^-1: light at a place over the light of
+    /// the source.
     pub fn psf(&self, degrees: f64) -> f64 {
         self.psf.formula(self.age, self.pigmentation).at(degrees)
     }
@@ -80,7 +85,8 @@ impl Scatter {
         Gaussians::new(&formula, self.core_deg, degrees, diagonal).times(self.straylight)
     }
 
-    /// The share of the light that goes over the hemisphere outside of the core, in pictures of this scale.
+    /// The share of the light that goes over the hemisphere outside of the core, in pictures of
+    /// this scale.
     fn scattered(&self, degrees: f64) -> f64 {
         self.gaussians(degrees, 180.0 / degrees).over_the_hemisphere(degrees)
     }
@@ -106,9 +112,9 @@ pub struct Optics {
 }
 
 impl Optics {
-    /// The stage for pictures of this size in pixels and scale in degrees a pixel, `count` planes each. It works at the
-    /// coarsest of [`DEPTHS`] whose certificate keeps within the budget, a share of the light on the retina, or at the
-    /// finest. `None` where nothing is scattered.
+    /// The stage for pictures of this size in pixels and scale in degrees a pixel, `count` planes
+    /// each. It works at the coarsest of [`DEPTHS`] whose certificate keeps within the budget, a
+    /// share of the light on the retina, or at the finest. `None` where nothing is scattered.
     ///
     /// # Errors
     /// Where more than 95 % of a place's light would be scattered: what may be asked of `straylight` is told.
@@ -163,8 +169,9 @@ impl Optics {
         Ok(Some(Optics { sum, depth, size, pyramid, kept, straight, bound }))
     }
 
-    /// The light on the retina of a picture, whose planes may be of halves or of floats. `beyond`: the light around the
-    /// picture, plane by plane; `None`: as bright as the place. `out` is written over.
+    /// The light on the retina of a picture, whose planes may be of halves or of floats. `beyond`:
+    /// the light around the picture, plane by plane; `None`: as bright as the place. `out` is
+    /// written over.
     pub fn exchange(&mut self, s: &Planes, beyond: Option<&[f32]>, out: &mut Planes) {
         if self.pyramid.count() != s.count {
             self.pyramid = Pyramid::new(&self.sum, &self.depth, self.size, s.count);
@@ -186,8 +193,8 @@ impl Optics {
         self.pyramid.exchange(s, &self.kept, &beyond, samples);
     }
 
-    /// Largest relative error of the light on the retina at any place of any picture without negative light, against
-    /// the sum of Gaussians that stands for the function.
+    /// Largest relative error of the light on the retina at any place of any picture without
+    /// negative light, against the sum of Gaussians that stands for the function.
     pub fn bound(&self) -> f64 {
         self.bound
     }
@@ -197,7 +204,8 @@ impl Optics {
         self.depth
     }
 
-    /// The share of its light that a place keeps or gets back from beyond the picture, row by row: 1 - c.
+    /// The share of its light that a place keeps or gets back from beyond the picture, row by row:
+    /// 1 - c.
     pub fn kept(&self) -> &[f32] {
         &self.kept
     }

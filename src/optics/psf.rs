@@ -1,8 +1,8 @@
-//! Point spread functions of the eye, as published: light per steradian at an angle from a point, for one unit of
-//! its light.
+//! Point spread functions of the eye, as published: light per steradian at an angle from a point,
+//! for one unit of its light.
 //!
-//! Each is a sum of terms in the angle theta, and each term a mixture of Gaussians with positive weights (with
-//! lambda = 1/(2 sigma^2)):
+//! Each is a sum of terms in the angle theta, and each term a mixture of Gaussians with positive
+//! weights (with lambda = 1/(2 sigma^2)):
 //!
 //! ```text
 //! b (1 + (theta/c)^2)^(-n/2)   int dln(sigma)  2 b (lambda c^2)^(n/2) e^(-lambda c^2) / Gamma(n/2)      e^(-lambda theta^2)
@@ -10,7 +10,8 @@
 //!                              I_n(z) = int_0^inf y^n e^(-y^2 - 2 z y) dy
 //! ```
 //!
-//! The first is the Gamma integral. The second follows from the Laplace transform of e^(-x sqrt u) in u = theta^2.
+//! The first is the Gamma integral. The second follows from the Laplace transform of e^(-x sqrt u)
+//! in u = theta^2.
 
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -24,16 +25,18 @@ pub enum Psf {
     /// No scatter.
     #[default]
     None,
-    /// 0 to 100 degrees: the total glare equation of CIE 135/1-1999, eq. 8 (Vos & van den Berg), divided by its norm.
+    /// 0 to 100 degrees: the total glare equation of CIE 135/1-1999, eq. 8 (Vos & van den Berg),
+    /// divided by its norm.
     Cie,
     /// 0.1 to 100 degrees: the general disability glare equation of CIE 146:2002.
     CieGeneral,
-    /// 1 to 30 degrees: the age-adjusted Stiles-Holladay equation of CIE 146:2002; at age 0 Holladay's 10/theta^2.
+    /// 1 to 30 degrees: the age-adjusted Stiles-Holladay equation of CIE 146:2002; at age 0
+    /// Holladay's 10/theta^2.
     StilesHolladay,
     /// 0 to 90 degrees: Spencer, Shirley, Zimmerman & Greenberg 1995, photopic. It knows no age.
     Spencer,
-    /// 0 to 30 degrees here: IJspeert, van den Berg & Spekreijse 1993 for a pupil of [`IJSPEERT_PUPIL_MM`], with sines
-    /// of angles as angles.
+    /// 0 to 30 degrees here: IJspeert, van den Berg & Spekreijse 1993 for a pupil of
+    /// [`IJSPEERT_PUPIL_MM`], with sines of angles as angles.
     Ijspeert,
 }
 
@@ -47,7 +50,8 @@ pub const PSFS: [(&str, Psf); 6] = [
     ("ijspeert", Psf::Ijspeert),
 ];
 
-/// The pupil of IJspeert's function, mm: daylight's. From 2 to 6 mm only 4 % of the light crosses 0.1 degrees.
+/// The pupil of IJspeert's function, mm: daylight's. From 2 to 6 mm only 4 % of the light crosses
+/// 0.1 degrees.
 pub const IJSPEERT_PUPIL_MM: f64 = 3.0;
 
 /// One term; theta in degrees, values in sr^-1.
@@ -136,7 +140,8 @@ impl Formula {
 }
 
 impl Psf {
-    /// The function of a person: age in years, pigmentation of the eye from 0, very dark, to 1.2, light blue.
+    /// The function of a person: age in years, pigmentation of the eye from 0, very dark, to 1.2,
+    /// light blue.
     pub(super) fn formula(self, age: f64, pigmentation: f64) -> Formula {
         match self {
             Psf::None => Formula::default(),
@@ -206,7 +211,8 @@ pub(super) fn ijspeert_terms(age: f64, pigmentation: f64, pupil_mm: f64) -> [(f6
     ]
 }
 
-/// c beta/(2 pi (sin^2 + beta^2 cos^2)^1.5) with the sine as the angle; the last, of beta = 1, is constant.
+/// c beta/(2 pi (sin^2 + beta^2 cos^2)^1.5) with the sine as the angle; the last, of beta = 1, is
+/// constant.
 fn ijspeert(age: f64, pigmentation: f64) -> Formula {
     let [bells @ .., (flat, _)] = ijspeert_terms(age, pigmentation, IJSPEERT_PUPIL_MM);
     let bell = |(weight, beta): (f64, f64)| Term::Bell {

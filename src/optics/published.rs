@@ -36,7 +36,8 @@ fn incomplete(n: i32, x: f64) -> f64 {
     }
 }
 
-/// The function without Gaussians narrower than the core, in closed form: each term times P(n/2, (c^2 + t^2)/(2 core^2)).
+/// The function without Gaussians narrower than the core, in closed form: each term times P(n/2,
+/// (c^2 + t^2)/(2 core^2)).
 fn outside(formula: &Formula, core: f64, t: f64) -> f64 {
     let term = |term: &Term| match *term {
         Term::Bell { height, scale, n } => {
@@ -194,7 +195,8 @@ fn every_term_is_its_mixture_of_gaussians() {
     }
 }
 
-/// The Hankel transform of a Gaussian is one. HDR-VDP 3 takes the transform of one dimension: 0.987 at 1 cycle/degree.
+/// The Hankel transform of a Gaussian is one. HDR-VDP 3 takes the transform of one dimension: 0.987
+/// at 1 cycle/degree.
 #[test]
 fn the_optical_transfer_function_is_that_of_two_dimensions() {
     let transfer = |u: f64| {

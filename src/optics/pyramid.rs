@@ -5,9 +5,10 @@
 //! down    veil_l = sum over Gaussians of level l: w_j blur_j light_l + expand veil_(l+1)             K s = veil_0
 //! ```
 //!
-//! Expanding is the transpose of reducing, so K is symmetric: no light is lost or made. All planes of a level are done
-//! in one pass, rows by any number of threads. Beyond the picture is nothing, and the margins of the levels hold all
-//! that filters spread there: the kernel is the same up to the border.
+//! Expanding is the transpose of reducing, so K is symmetric: no light is lost or made. All planes
+//! of a level are done in one pass, rows by any number of threads. Beyond the picture is nothing,
+//! and the margins of the levels hold all that filters spread there: the kernel is the same up to
+//! the border.
 
 use rayon::prelude::*;
 
@@ -88,7 +89,8 @@ impl Pyramid {
         veil
     }
 
-    /// The light on the retina: `kept` and `beyond` as [`Exchange`] has them, `beyond` for each plane.
+    /// The light on the retina: `kept` and `beyond` as [`Exchange`] has them, `beyond` for each
+    /// plane.
     pub fn exchange(
         &mut self,
         s: &Planes,

@@ -1,5 +1,6 @@
-//! The inner loops over rows of the pyramid, for whatever the processor has. Each sample is the same sums of the same
-//! products in the same order wherever its vector begins, never contracted: the bits are the same on every processor.
+//! The inner loops over rows of the pyramid, for whatever the processor has. Each sample is the
+//! same sums of the same products in the same order wherever its vector begins, never contracted:
+//! the bits are the same on every processor.
 
 use pulp::{Simd, WithSimd};
 
@@ -25,7 +26,8 @@ pub(super) struct Taps {
     pub along: Vec<f32>,
 }
 
-/// Rows of one plane around a band: row `i` of the band is row `i` + [`LONGEST`], rows outside of the level are zeros.
+/// Rows of one plane around a band: row `i` of the band is row `i` + [`LONGEST`], rows outside of
+/// the level are zeros.
 pub(super) type Around<'a> = [&'a [f32]; BAND + 2 * LONGEST];
 
 /// A band of one plane, blurred by several Gaussians that are added up.
@@ -217,7 +219,8 @@ pub(super) struct Exchange<'a> {
     pub veil: &'a [f32],
     /// The share of a place's light that does not go to other places of the picture.
     pub kept: &'a [f32],
-    /// The share that is not scattered at all, and the light beyond the picture; as bright as the place if `None`.
+    /// The share that is not scattered at all, and the light beyond the picture; as bright as the
+    /// place if `None`.
     pub beyond: Option<(f32, f32)>,
     pub out: &'a mut [f32],
 }

@@ -2,15 +2,15 @@
 
 use super::rows::BLOCK;
 
-/// Samples around a picture that carry light on coarser levels. The binomial filter reaches three; four keep even
-/// places even.
+/// Samples around a picture that carry light on coarser levels. The binomial filter reaches three;
+/// four keep even places even.
 pub(super) const MARGIN: usize = 4;
 
 /// Floats of a cache line.
 const LINE: usize = 16;
 
-/// Rows of `count` planes, with a margin around each plane. Column `x` of plane `i` in row `y` is sample
-/// `(y + MARGIN) * stride + i * plane + MARGIN + x`.
+/// Rows of `count` planes, with a margin around each plane. Column `x` of plane `i` in row `y` is
+/// sample `(y + MARGIN) * stride + i * plane + MARGIN + x`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Shape {
     pub width: usize,

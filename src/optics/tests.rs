@@ -129,7 +129,8 @@ fn the_error_stays_below_the_certificate_in_small_random_scenes() {
     assert!(closest > 0.1, "{closest}");
 }
 
-/// The same on 480 x 270 and all of its places' light: minutes. `OPTICS_SCENES=50 cargo test --release optics`.
+/// The same on 480 x 270 and all of its places' light: minutes. `OPTICS_SCENES=50 cargo test
+/// --release optics`.
 #[test]
 fn the_error_stays_below_the_certificate_in_as_many_large_scenes_as_asked() {
     let scenes = std::env::var("OPTICS_SCENES").ok().and_then(|n| n.parse().ok()).unwrap_or(1);
@@ -141,7 +142,8 @@ fn the_error_stays_below_the_certificate_in_as_many_large_scenes_as_asked() {
     }
 }
 
-/// The sun of the built-in sunset, half a degree up: the sky's and the sea's luminances about it, roughly.
+/// The sun of the built-in sunset, half a degree up: the sky's and the sea's luminances about it,
+/// roughly.
 fn low_sun(width: usize, offset: f64) -> (Planes, f64) {
     let (height, degrees) = (width * 9 / 16, 8.0 / width as f64);
     let middle = |n: usize| (n as f64 - 1.0) / 2.0;
@@ -172,11 +174,13 @@ fn disc(width: usize, offset: f64) -> (Planes, f64) {
     (picture([width, height], light), degrees)
 }
 
-/// Published integrals of the CIE equation over a disc of 0.533 degrees (age 30, brown eyes), at degrees from its centre.
+/// Published integrals of the CIE equation over a disc of 0.533 degrees (age 30, brown eyes), at
+/// degrees from its centre.
 const DISC: [(f64, f64); 4] =
     [(0.5, 1.2705e-2), (1.0, 1.3853e-3), (2.0, 2.0097e-4), (3.0, 7.0059e-5)];
 
-/// The veil in the middle row, degrees right of the picture's middle, between the columns by powers.
+/// The veil in the middle row, degrees right of the picture's middle, between the columns by
+/// powers.
 fn veil_at(r: &Planes, degrees: f64, offset: f64, t: f64) -> f64 {
     let x = (t + offset) / degrees + (r.width as f64 - 1.0) / 2.0;
     let at = |x: usize| 0.5 * (r.at(x, (r.height - 1) / 2, 0) + r.at(x, r.height / 2, 0));
@@ -284,7 +288,8 @@ fn light_stays_between_its_least_and_greatest_and_reaches_every_place() {
     }
 }
 
-/// The bound is for light that is not negative; a negative plane of RGB is scattered like its opposite.
+/// The bound is for light that is not negative; a negative plane of RGB is scattered like its
+/// opposite.
 #[test]
 fn negative_light_is_kept() {
     let (s, degrees) = low_sun(120, 0.0);

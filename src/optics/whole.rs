@@ -4,8 +4,8 @@
 //! sum_x' (k0 + k2 |x - x'|^2) s(x') = k0 S0 + k2 (|x|^2 S0 - 2 x . S1 + S2)
 //! ```
 //!
-//! It is done on the coarsest level. The binomial filter keeps polynomials up to the fifth degree but for its variance,
-//! which r^2 gains on each axis, on the way up and on the way down.
+//! It is done on the coarsest level. The binomial filter keeps polynomials up to the fifth degree
+//! but for its variance, which r^2 gains on each axis, on the way up and on the way down.
 
 use super::gaussians::Gaussians;
 use super::levels::VARIANCE;
