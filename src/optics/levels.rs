@@ -1,10 +1,13 @@
 //! Which level of the pyramid a Gaussian is on, and its taps there.
 //!
 //! A level is half as fine as the one before it: reduced by a binomial filter, and expanded by its
-//! transpose. The two filters of a level l have the variance (1 - 4^-l) and the fourth cumulant -(1
-//! - 16^-l)/10 of the level's pixels. So the taps of a Gaussian have the rest of its variance, and
-//! the opposite cumulant: a Gaussian g of variance v times 1 + k/(24 v^2) He4, He4 = z^4 - 6 z^2 +
-//! 3 (the Gram-Charlier series).
+//! transpose. The two filters of a level l have the variance (1 - 4^-l) and the fourth cumulant
+//! -(1 - 16^-l)/10, in pixels of the level. So the taps of a Gaussian have the rest of its variance
+//! and the opposite cumulant (the Gram-Charlier series):
+//!
+//! ```text
+//! tap(x) = g(x) (1 + k/(24 v^2) He4(x/sqrt v)),   He4(z) = z^4 - 6 z^2 + 3
+//! ```
 
 use super::gaussians::{Gaussians, sampled};
 
