@@ -85,7 +85,7 @@
 //!   grows. Files appear whole or not at all.
 //! * Below [`eye`] nothing loops over pixels but [`kernel`] and [`optics`]; below [`frames`] nothing
 //!   touches a file.
-//! * `exr` and `image` are named in [`frames`] only, `zeno` and `ttf-parser` in `plot` only, `toml`
+//! * `exr` and `zune-jpeg` are named in [`frames`] only, `zeno` and `ttf-parser` in `plot` only, `toml`
 //!   in [`config`] only, `clap` in the program only.
 //! * The library never prints, never exits, and never unwraps what a user gave.
 //!

@@ -100,7 +100,7 @@ fn cut(path: &Path, told: &Probed, complaints: &str) -> Option<String> {
     let lines = ["partial file", "prematurely", "runcat"];
     let of_cut = |line: &&str| lines.iter().any(|words| line.contains(words));
     if let Some(line) = complaints.lines().find(of_cut) {
-        return Some(line.trim().to_owned());
+        return Some(complaint(line));
     }
     let number = |text: &Option<String>| text.as_deref()?.parse::<u64>().ok();
     let last = told.packets.last().filter(|_| told.format.format_name == "yuv4mpegpipe")?;

@@ -191,3 +191,26 @@ impl Footage for JpegPicture {
 fn limits() -> DecoderOptions {
     DecoderOptions::default().set_max_width(usize::MAX).set_max_height(usize::MAX)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn no_markers_are_fatal(
+            mut bytes in prop::collection::vec(
+                prop_oneof![Just(0xff), Just(0xd9), Just(0xda), Just(0xe1), Just(0xc0), Just(0), any::<u8>()],
+                0..200,
+            ),
+        ) {
+            bytes.splice(0..0, [0xff, 0xd8]);
+            if let Ok(outline) = Outline::of(&bytes) {
+                prop_assert!(outline.size.0 > 0 && outline.size.1 > 0);
+            }
+        }
+    }
+}

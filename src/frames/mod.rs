@@ -1,4 +1,4 @@
-//! Files in and out. The only room that names `exr`, `image` and `png`, and the only one below the
+//! Files in and out. The only room that names `exr`, `png` and `zune-jpeg`, and the only one below the
 //! program that touches the disk.
 //!
 //! * Which files: `sequence`, with `pattern` and `range`.

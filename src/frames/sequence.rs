@@ -254,6 +254,52 @@ mod tests {
     }
 
     #[test]
+    fn the_only_file_of_a_pattern_is_a_frame_of_its_number_and_a_lone_file_a_still() {
+        let folder = folder(&["a.1001.exr", "a.1005.exr", "b.0007.exr"]);
+        let one = find(&folder, &["a.####.exr"], "1005", Missing::Error).unwrap();
+        assert_eq!((one.numbers, one.is_still), (vec![1005], false));
+        let one = find(&folder, &["b.%04d.exr"], "", Missing::Error).unwrap();
+        assert_eq!((one.numbers, one.is_still), (vec![7], false));
+        let still = find(&folder, &["b.0007.exr"], "", Missing::Error).unwrap();
+        assert_eq!((still.numbers, still.is_still), (vec![1], true));
+    }
+
+    #[test]
+    fn a_lone_sign_beside_a_certain_place_stands_for_itself() {
+        let folder = folder(&["sun@2x.0001.exr", "sun@2x.0002.exr", "cut#3.0001.exr"]);
+        for name in ["sun@2x.####.exr", "sun@2x.%04d.exr", "sun@2x.$F4.exr"] {
+            let found = find(&folder, &[name], "", Missing::Error).unwrap();
+            assert_eq!(found.numbers, [1, 2], "{name}");
+        }
+        assert_eq!(find(&folder, &["cut#3.@@@@.exr"], "", Missing::Error).unwrap().numbers, [1]);
+        for name in ["sun@2x.#.exr", "a.##.@@.exr"] {
+            let message = find(&folder, &[name], "", Missing::Error).unwrap_err();
+            assert!(message.contains("more than one place"), "{message}");
+        }
+    }
+
+    #[test]
+    fn frames_with_negative_numbers_are_never_left_out_in_silence() {
+        let folder = folder(&["a.-002.exr", "a.0000.exr", "a.0001.exr"]);
+        let message = find(&folder, &["a.####.exr"], "", Missing::Error).unwrap_err();
+        assert!(message.contains("a.-002.exr") && message.contains("`range`"), "{message}");
+        assert_eq!(find(&folder, &["a.####.exr"], "0-1", Missing::Error).unwrap().numbers, [0, 1]);
+    }
+
+    #[test]
+    fn a_film_is_numbered_from_one_and_nothing_beyond_it_is_asked_for() {
+        let folder = folder(&["a.mov"]);
+        let found = |range| find(&folder, &["a.mov"], range, Missing::Error).unwrap();
+        let all = found("").of_film(3).unwrap();
+        assert_eq!((all.numbers, all.shows, all.is_still), (vec![1, 2, 3], vec![0, 1, 2], false));
+        let some = found("2-6x2").of_film(6).unwrap();
+        assert_eq!((some.numbers, some.shows), (vec![2, 4, 6], vec![1, 3, 5]));
+        assert!(found("0-2").of_film(3).unwrap_err().contains("frame 0 is not in the file"));
+        assert!(found("4").of_film(3).unwrap_err().contains("which has 3"));
+        assert!(found("").of_film(1).unwrap().is_still);
+    }
+
+    #[test]
     fn stills_and_lists_count_from_one() {
         let folder = folder(&["b.exr", "a#1.exr", "c.exr"]);
         assert_eq!(find(&folder, &["a#1.exr"], "", Missing::Error).unwrap().numbers, [1]);

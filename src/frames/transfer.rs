@@ -128,6 +128,7 @@ impl Display for Transfer {
         match self {
             Transfer::Srgb => f.write_str("the sRGB curve"),
             Transfer::Linear => f.write_str("no curve, linear"),
+            &Transfer::BT1886 => f.write_str("BT.1886 (the power 2.4)"),
             Transfer::Power(power) => write!(f, "the power {power:.3}"),
             Transfer::Pq => f.write_str("the PQ curve"),
             Transfer::Hlg(peak) => write!(f, "the HLG curve for a peak of {peak} cd/m2"),
