@@ -2,11 +2,9 @@
 //! luminance and chromaticity of the percept. A curve is a case; panels share their axes, and
 //! colours go with a value from dark to bright.
 
-use crate::kinetics::Kinetics;
-
 use super::axes::{Axis, Panel};
 use super::font;
-use super::moment::{Moment, course, luminance_axis, note_breaks};
+use super::moment::{Cones, Moment, course, luminance_axis, note_breaks};
 use super::palette::{BLACK, GREY, ordered};
 use super::sheet::{Anchor, Ink, Sheet};
 
@@ -30,7 +28,7 @@ pub struct Member {
     /// Which of [`DASHES`].
     pub dash: usize,
     pub rows: Vec<Moment>,
-    pub kinetics: [Kinetics; 3],
+    pub cones: Cones,
     /// Bleached L, M, S, then x, y under the last light for ever.
     pub steady: Option<[f64; 5]>,
 }
@@ -77,7 +75,7 @@ pub fn drawn(families: &[Family], scale: &Scale) -> Sheet {
 /// The six panels of one probe, under its name.
 fn block(sheet: &mut Sheet, family: &Family, scale: &Scale, x: Axis, top: f64) {
     sheet.bold((LEFTS[0], top - 44.0), &family.name, 18, Anchor::Start, BLACK);
-    let of_member = |member: &Member| course(&member.rows, &member.kinetics, &x);
+    let of_member = |member: &Member| course(&member.rows, &member.cones, &x);
     let courses: Vec<Vec<Moment>> = family.members.iter().map(of_member).collect();
     let y = axes(&courses);
     for (i, (title, value)) in QUANTITIES.into_iter().enumerate() {

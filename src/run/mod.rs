@@ -37,6 +37,7 @@ use crate::eye::check::Check;
 use crate::frames;
 use crate::light::Planes;
 use crate::page;
+use crate::plot::moment::Cones;
 
 use checkpoint::Checkpoint;
 pub(crate) use eye::Watching;
@@ -281,7 +282,9 @@ fn finish(
     watch: &dyn Watch,
 ) -> Result<Outcome> {
     let history = record::read_back(&folder.join("probes.csv"))?;
-    plot::write(&folder.join("probes.svg"), &history, &config.pigments())?;
+    let lms_to_xyz = scene.vision.observer.lms_to_xyz;
+    let cones = Cones { kinetics: config.pigments(), lms_to_xyz };
+    plot::write(&folder.join("probes.svg"), &history, &cones)?;
     let mut warnings = scene.footage.header().notes.clone();
     for warning in eye.counters.warnings() {
         watch.warn(&warning);

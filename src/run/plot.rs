@@ -6,8 +6,7 @@ use std::path::Path;
 
 use crate::error::Result;
 use crate::frames::atomic;
-use crate::kinetics::Kinetics;
-use crate::plot::moment::{Moment, course, luminance_axis, note_breaks};
+use crate::plot::moment::{Cones, Moment, course, luminance_axis, note_breaks};
 use crate::plot::palette::{BLACK, BLUE, GREEN, PURPLE, VERMILION};
 use crate::plot::{Anchor, Axis, Ink, Panel, Sheet};
 use crate::run::record::Reading;
@@ -38,19 +37,19 @@ const CURVES: [&[Curve]; 3] = [
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write(path: &Path, history: &[(f64, Vec<Reading>)], kinetics: &[Kinetics; 3]) -> Result<()> {
-    atomic::write_text(path, &drawn(history, kinetics).svg())
+pub fn write(path: &Path, history: &[(f64, Vec<Reading>)], cones: &Cones) -> Result<()> {
+    atomic::write_text(path, &drawn(history, cones).svg())
 }
 
-fn drawn(history: &[(f64, Vec<Reading>)], kinetics: &[Kinetics; 3]) -> Sheet {
+fn drawn(history: &[(f64, Vec<Reading>)], cones: &Cones) -> Sheet {
     let names: Vec<&str> =
         history.first().map_or(Vec::new(), |row| row.1.iter().map(|r| r.probe.as_str()).collect());
     let of_probe = |probe: usize| -> Vec<Moment> {
         history.iter().filter_map(|(time, all)| Some(moment(*time, all.get(probe)?))).collect()
     };
     let rows: Vec<Vec<Moment>> = (0..names.len()).map(of_probe).collect();
-    let x = time_axis(&rows, kinetics);
-    let courses: Vec<_> = rows.iter().map(|rows| course(rows, kinetics, &x)).collect();
+    let x = time_axis(&rows, cones);
+    let courses: Vec<_> = rows.iter().map(|rows| course(rows, cones, &x)).collect();
     let y = [
         Axis::linear(0.0, 1.0, 5.0, "bleached fraction"),
         luminance_axis(courses.iter().flatten().map(|at| at.xyz[1])),
@@ -95,14 +94,14 @@ fn draw(sheet: &mut Sheet, panel: &Panel, curves: &[Curve], course: &[Moment]) {
 
 /// Evenly spaced frames and few decades are shown on an even axis; other times in powers of ten,
 /// from before the first of them and before a hundredth has bleached.
-fn time_axis(rows: &[Vec<Moment>], kinetics: &[Kinetics; 3]) -> Axis<'static> {
+fn time_axis(rows: &[Vec<Moment>], cones: &Cones) -> Axis<'static> {
     let ends = || rows.iter().flatten().filter(|at| at.time > 0.0);
     let first = ends().map(|at| at.time).fold(f64::INFINITY, f64::min);
     let last = ends().map(|at| at.time).fold(0.0, f64::max);
     if last <= 100.0 * first || rows.first().is_some_and(|rows| is_even(rows)) {
         return Axis::linear(0.0, last, 4.0, "time (s)");
     }
-    let rate = |at: &Moment, k: usize| kinetics[k].contraction(Trolands(at.light[k]))[1];
+    let rate = |at: &Moment, k: usize| cones.kinetics[k].contraction(Trolands(at.light[k]))[1];
     let at_first = ends().filter(|at| at.time == first);
     let fastest = at_first.flat_map(|at| (0..3).map(|k| rate(at, k))).fold(0.0, f64::max);
     let from = (0.01 / fastest).clamp(1e-4 * first, first);
@@ -119,14 +118,18 @@ fn is_even(rows: &[Moment]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kinetics::{Kinetics, Law};
     use crate::plot::sheet::{Item, Point};
     use crate::units::Seconds;
 
-    const EYE: [Kinetics; 3] = [Kinetics {
-        law: crate::kinetics::Law::FirstOrder,
-        half_bleach: Trolands(2e4),
-        tau: Seconds(120.0),
-    }; 3];
+    const EYE: Cones = Cones {
+        kinetics: [Kinetics {
+            law: Law::FirstOrder,
+            half_bleach: Trolands(2e4),
+            tau: Seconds(120.0),
+        }; 3],
+        lms_to_xyz: [[1.94, -1.35, 0.36], [0.69, 0.35, 0.0], [0.0, 0.0, 1.93]],
+    };
 
     fn reading(light: f64, p: f64, luminance: f64) -> Reading {
         let xyz = [0.9, 1.0, 0.5].map(|share| share * luminance);

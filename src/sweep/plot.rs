@@ -8,7 +8,7 @@ use crate::frames::atomic;
 use crate::plot::Ink;
 use crate::plot::axes::power;
 use crate::plot::family::{self, Family, Member, Scale};
-use crate::plot::moment::Moment;
+use crate::plot::moment::{Cones, Moment};
 use crate::plot::palette::{APART, ordered};
 use crate::sweep::folder::Left;
 
@@ -21,6 +21,8 @@ pub fn write(path: &Path, sweep: &Sweep, left: &[Left]) -> Result<()> {
     let (looks, scale) = looks(&sweep.keys, &values);
     let mut families: Vec<Family> = Vec::new();
     for ((case, left), (ink, dash)) in sweep.cases.iter().zip(left).zip(looks) {
+        let config = &case.config;
+        let cones = Cones { kinetics: config.pigments(), lms_to_xyz: config.observer().lms_to_xyz };
         for (probe, (name, rows)) in rows(&left.rows).into_iter().enumerate() {
             if families.len() <= probe {
                 families.push(Family { name, members: Vec::new() });
@@ -29,8 +31,8 @@ pub fn write(path: &Path, sweep: &Sweep, left: &[Left]) -> Result<()> {
                 let ([l, m, s], [x, y]) = (steady.bleached, steady.chromaticity);
                 [l, m, s, x, y]
             });
-            let (name, kinetics) = (plain(&case.values), case.config.pigments());
-            families[probe].members.push(Member { name, ink, dash, rows, kinetics, steady });
+            let name = plain(&case.values);
+            families[probe].members.push(Member { name, ink, dash, rows, cones, steady });
         }
     }
     atomic::write_text(path, &family::drawn(&families, &scale).svg())
