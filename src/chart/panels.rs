@@ -53,35 +53,9 @@ pub(super) fn drawn(points: &[Point]) -> Sheet {
 const WIDTHS: [f64; 2] = [310.0, 84.0];
 
 fn draw_view(sheet: &mut Sheet, view: &View, points: &[Point], at: (f64, f64)) {
-    let label = if view.relative { "largest |p/p true − 1|" } else { "largest |p − p true|" };
-    let x = Axis { from: 1e-17, to: 1.0, logarithmic: true, every: 4.0, label };
-    let y = Axis { from: 1.0, to: 1e4, logarithmic: true, every: 1.0, label: "ns per update" };
-    let panel = Panel { left: at.0, top: at.1, width: WIDTHS[0], height: 220.0, x, y };
-    let budget = panel.at(BUDGET, 1.0).0;
-    sheet.block((panel.left, panel.top), budget - panel.left, panel.height, PALE_GREEN);
-    sheet.block((panel.right(), panel.top), WIDTHS[1], panel.height, PALE_RED);
-    panel.frame(sheet);
-    sheet.text(
-        (panel.right() + 0.5 * WIDTHS[1], panel.bottom() + 20.0),
-        "failed",
-        15,
-        Anchor::Middle,
-        VERMILION,
-    );
-    sheet.bold((panel.left - 40.0, panel.top - 12.0), view.title, 16, Anchor::Start, BLACK);
-    let spread = panel.at(PUBLISHED_SPREAD, 1.0).0;
-    sheet.line((spread, panel.top), (spread, panel.bottom()), GREY, 1.2, "2,3");
-    for ns in SPECTRAL_NS {
-        let height = panel.at(1.0, ns).1;
-        sheet.line((panel.left, height), (panel.right(), height), GREY, 1.2, "6,4");
-    }
-    if view.scene == "headlamp" && !view.relative {
-        draw_orders(sheet, &panel);
-    }
-    let shown: Vec<&Point> = points
-        .iter()
-        .filter(|point| point.scene == view.scene && point.law.name() == view.law)
-        .collect();
+    let panel = ground(sheet, view, at);
+    let is_shown = |point: &&Point| point.scene == view.scene && point.law.name() == view.law;
+    let shown: Vec<&Point> = points.iter().filter(is_shown).collect();
     let fails =
         |name: &str| shown.iter().any(|point| point.method.name == name && point.failure.is_some());
     let failing = DRAWN.iter().filter(|name| fails(name)).count();
@@ -92,6 +66,31 @@ fn draw_view(sheet: &mut Sheet, view: &View, points: &[Point], at: (f64, f64)) {
         lane += if fails(name) { apart } else { 0.0 };
     }
     ring_the_cheapest(sheet, &panel, view, &shown);
+}
+
+/// The panel's axes and rail, its title, and the lines that it is read by.
+fn ground(sheet: &mut Sheet, view: &View, at: (f64, f64)) -> Panel<'static> {
+    let label = if view.relative { "largest |p/p true − 1|" } else { "largest |p − p true|" };
+    let x = Axis { from: 1e-17, to: 1.0, logarithmic: true, every: 4.0, label };
+    let y = Axis { from: 1.0, to: 1e4, logarithmic: true, every: 1.0, label: "ns per update" };
+    let panel = Panel { left: at.0, top: at.1, width: WIDTHS[0], height: 220.0, x, y };
+    let budget = panel.at(BUDGET, 1.0).0;
+    sheet.block((panel.left, panel.top), budget - panel.left, panel.height, PALE_GREEN);
+    sheet.block((panel.right(), panel.top), WIDTHS[1], panel.height, PALE_RED);
+    panel.frame(sheet);
+    let rail = (panel.right() + 0.5 * WIDTHS[1], panel.bottom() + 20.0);
+    sheet.text(rail, "failed", 15, Anchor::Middle, VERMILION);
+    sheet.bold((panel.left - 40.0, panel.top - 12.0), view.title, 16, Anchor::Start, BLACK);
+    let spread = panel.at(PUBLISHED_SPREAD, 1.0).0;
+    sheet.line((spread, panel.top), (spread, panel.bottom()), GREY, 1.2, "2 3");
+    for ns in SPECTRAL_NS {
+        let height = panel.at(1.0, ns).1;
+        sheet.line((panel.left, height), (panel.right(), height), GREY, 1.2, "6 4");
+    }
+    if view.scene == "headlamp" && !view.relative {
+        draw_orders(sheet, &panel);
+    }
+    panel
 }
 
 /// The slopes that theory gives to methods of order 1, 2, 4 and 5: four times the work, 4^-order

@@ -8,6 +8,7 @@ pub mod course;
 pub mod family;
 pub mod font;
 pub mod gallery;
+mod lines;
 pub mod moment;
 pub mod palette;
 pub mod raster;

@@ -8,10 +8,7 @@ use crate::config::Sweep;
 use crate::error::Result;
 use crate::plot::gallery::{self, Block, MOST_ACROSS, Picture, Row};
 use crate::sweep::folder::Left;
-use crate::sweep::plot::{plain, short};
-
-/// Cases beyond these are in the table only.
-pub const MOST_CASES: usize = 400;
+use crate::sweep::plot::{MOST_CASES, plain, short};
 
 /// What a sweep's pictures are laid out by.
 struct Plan {

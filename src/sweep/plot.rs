@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::config::Sweep;
+use crate::config::{Case, Sweep};
 use crate::error::Result;
 use crate::frames::atomic;
 use crate::plot::Ink;
@@ -12,30 +12,48 @@ use crate::plot::moment::{Cones, Moment};
 use crate::plot::palette::{APART, ordered};
 use crate::sweep::folder::Left;
 
+/// Cases beyond these are in the table only.
+pub const MOST_CASES: usize = 400;
+
 /// Draws the plot of a sweep.
 ///
 /// # Errors
 /// A file that cannot be written.
 pub fn write(path: &Path, sweep: &Sweep, left: &[Left]) -> Result<()> {
-    let values: Vec<Vec<String>> = sweep.cases.iter().map(|case| case.values.clone()).collect();
+    let shown = &sweep.cases[..left.len().min(sweep.cases.len()).min(MOST_CASES)];
+    let values: Vec<Vec<String>> = shown.iter().map(|case| case.values.clone()).collect();
     let (looks, scale) = looks(&sweep.keys, &values);
     let mut families: Vec<Family> = Vec::new();
-    for ((case, left), (ink, dash)) in sweep.cases.iter().zip(left).zip(looks) {
-        let config = &case.config;
-        let cones = Cones { kinetics: config.pigments(), lms_to_xyz: config.observer().lms_to_xyz };
-        for (probe, (name, rows)) in rows(&left.rows).into_iter().enumerate() {
+    for ((case, left), look) in shown.iter().zip(left).zip(looks) {
+        for (probe, (name, member)) in members(case, left, look).into_iter().enumerate() {
             if families.len() <= probe {
                 families.push(Family { name, members: Vec::new() });
             }
-            let steady = left.done.steady.get(probe).map(|steady| {
-                let ([l, m, s], [x, y]) = (steady.bleached, steady.chromaticity);
-                [l, m, s, x, y]
-            });
-            let name = plain(&case.values);
-            families[probe].members.push(Member { name, ink, dash, rows, cones, steady });
+            families[probe].members.push(member);
         }
     }
+    if shown.len() < sweep.cases.len() {
+        let words = format!(" (the first {} of {} cases)", shown.len(), sweep.cases.len());
+        families.iter_mut().for_each(|family| family.name += &words);
+    }
     atomic::write_text(path, &family::drawn(&families, &scale).svg())
+}
+
+/// A case as a member of the family of each probe, with the probe's name.
+fn members(case: &Case, left: &Left, (ink, dash): (Ink, usize)) -> Vec<(String, Member)> {
+    let config = &case.config;
+    let cones = Cones { kinetics: config.pigments(), lms_to_xyz: config.observer().lms_to_xyz };
+    let steady = |probe: usize| {
+        left.done.steady.get(probe).map(|steady| {
+            let ([l, m, s], [x, y]) = (steady.bleached, steady.chromaticity);
+            [l, m, s, x, y]
+        })
+    };
+    let member = |(probe, (probes_name, rows)): (usize, (String, Vec<Moment>))| {
+        let name = plain(&case.values);
+        (probes_name, Member { name, ink, dash, rows, cones, steady: steady(probe) })
+    };
+    rows(&left.rows).into_iter().enumerate().map(member).collect()
 }
 
 /// Values as a person writes them, without the quotes of TOML.

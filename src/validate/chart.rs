@@ -71,18 +71,20 @@ fn falls(sheet: &mut Sheet, fields: &[Field]) {
         let points: Vec<_> = field.falls.iter().map(|fall| (fall.time, fall.error)).collect();
         sheet.polyline(&shown(&points), ink(field.light), 2.0, "");
     }
-    for field in drawn().filter(|field| field.start == 0.0 && field.light > 1e3) {
-        let (at, anchor, words) = match field.light {
-            ..1e5 => ((8e5, 3e-9), Anchor::End, "1 to 10⁴ td".into()),
-            light => {
-                ((15.0 / field.rate, 3e-14), Anchor::End, format!("{} td", power(light.log10())))
-            }
-        };
-        sheet.text(panel.at(at.0, at.1), &words, 14, anchor, ink(field.light));
-    }
+    drawn().filter(|field| field.start == 0.0).for_each(|field| name_light(sheet, &panel, field));
     let (x, y) = (panel.left + 16.0, panel.bottom() - 40.0);
     sheet.line((x, y), (x + 34.0, y), FAINT, 7.0, "");
     sheet.text((x + 42.0, y + 5.0), "theory", 15, Anchor::Start, BLACK);
+}
+
+/// Names a light beside its curve, the low ones, which fall alike, together.
+fn name_light(sheet: &mut Sheet, panel: &Panel, field: &Field) {
+    let (at, words) = match field.light {
+        ..=1e3 => return,
+        ..1e5 => ((8e5, 3e-9), "1 to 10⁴ td".to_owned()),
+        light => ((15.0 / field.rate, 3e-14), format!("{} td", power(light.log10()))),
+    };
+    sheet.text(panel.at(at.0, at.1), &words, 14, Anchor::End, ink(field.light));
 }
 
 /// Fitted rates of every start, on the line (1 + I/I0)/tau.
