@@ -21,6 +21,7 @@ mod envi_pair;
 mod exr_chunks;
 mod exr_description;
 mod exr_file;
+mod exr_layer;
 mod exr_picture;
 mod exr_rows;
 mod exr_sampling;

@@ -4,15 +4,17 @@
 //! Technical Introduction to OpenEXR, "Data Compression"; `ImfPizCompressor.cpp`, `ImfWav.cpp` and
 //! `ImfHuf.cpp` of OpenEXR, whose wire format this is.
 
-mod huffman;
+mod bits;
+mod code;
 mod lookup;
 mod wavelet;
+mod words;
 
 use std::ops::Range;
 
 use crate::Damaged;
-use huffman::Words;
 use lookup::Lookup;
+use words::Words;
 
 /// A channel of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,14 +1,11 @@
-//! Words of 16 bits in a canonical Huffman code with words of up to 58 bits, and runs of the last
-//! one.
+//! A canonical Huffman code with words of up to 58 bits.
 //!
 //! Only the lengths of the code words are sent. Longer ones are numerically lower (zeros behind
-//! them), those of one length rise with their symbols. The largest symbol stands for "the last
-//! word, so many times more", and 8 bits that tell how many.
+//! them), those of one length rise with their symbols.
 
+use super::bits::Bits;
 use crate::Damaged;
 
-/// Symbols: 16-bit words, and the one for runs.
-const SYMBOLS: usize = (1 << 16) + 1;
 /// Lengths from here on stand for runs of symbols without a code word: 59 to 62 for 2 to 5 of them,
 /// 63 for 6 and as many more as the next 8 bits tell.
 const SHORT_RUN: usize = 59;
@@ -17,164 +14,12 @@ const LONG_RUN: usize = 63;
 const LONGEST: usize = SHORT_RUN - 1;
 /// Code words of up to so many bits are looked up at once. Sixteen kilobytes of table stay in the
 /// nearest cache.
-const LOOKED_UP: usize = 12;
+pub(super) const LOOKED_UP: usize = 12;
 /// In the table: what the first bits do not tell the symbol of.
-const UNTOLD: u32 = u32::MAX << 8;
-
-/// Decodes words in order.
-pub(super) struct Words<'a> {
-    bits: Bits<'a>,
-    /// How many bits belong to the words.
-    end: usize,
-    code: Code,
-    last: Option<u16>,
-    /// How many more of the last word are due.
-    due: usize,
-}
-
-impl<'a> Words<'a> {
-    /// Reads the code: sizes, the lengths of code words, then the words.
-    pub fn open(bytes: &'a [u8]) -> Result<Words<'a>, Damaged> {
-        let head = bytes.as_chunks().0.first_chunk().ok_or(Damaged("a block without words"))?;
-        let [length, first, last, _, end, _] = head.map(|bytes| u32::from_le_bytes(bytes) as usize);
-        let body = bytes[4..]
-            .get(..length)
-            .and_then(|bytes| bytes.get(20..))
-            .ok_or(Damaged("words cut short"))?;
-        if first > last || last >= SYMBOLS {
-            return Err(Damaged("a code for symbols beyond 16 bits"));
-        }
-        let (lengths, table) = lengths(body, last - first + 1)?;
-        let body = &body[table..];
-        if end > 8 * body.len() {
-            return Err(Damaged("words cut short"));
-        }
-        Ok(Words {
-            bits: Bits { bytes: body, at: 0 },
-            end,
-            code: Code::new(first, &lengths)?,
-            last: None,
-            due: 0,
-        })
-    }
-
-    /// Decodes as many words as `out` holds.
-    pub fn fill(&mut self, out: &mut [u16]) -> Result<(), Damaged> {
-        let mut filled = self.repeat(out);
-        while filled < out.len() {
-            filled += self.short_ones(&mut out[filled..]);
-            if filled < out.len() {
-                filled += self.any_one(&mut out[filled..])?;
-            }
-        }
-        self.last = out.last().copied().or(self.last);
-        if self.bits.at > self.end { Err(Damaged("words cut short")) } else { Ok(()) }
-    }
-
-    /// Decodes while code words are short. Four of them fit the bits that are at hand.
-    #[inline(always)]
-    fn short_ones(&mut self, out: &mut [u16]) -> usize {
-        let (table, mut bits) = (&self.code.table, self.bits);
-        let mut filled = 0;
-        'all: for four in out.as_chunks_mut::<4>().0 {
-            let mut ahead = bits.ahead();
-            for (i, word) in four.iter_mut().enumerate() {
-                let entry = table[(ahead >> (64 - LOOKED_UP)) as usize];
-                if entry >= UNTOLD {
-                    filled += i;
-                    break 'all;
-                }
-                *word = (entry >> 8) as u16;
-                ahead <<= entry & 63;
-                bits.at += (entry & 63) as usize;
-            }
-            filled += 4;
-        }
-        self.bits = bits;
-        if filled > 0 {
-            self.last = Some(out[filled - 1]);
-        }
-        filled
-    }
-
-    /// Decodes one code word of any length, or a run.
-    #[inline(always)]
-    fn any_one(&mut self, out: &mut [u16]) -> Result<usize, Damaged> {
-        let symbol = self.code.symbol(self.bits.all_ahead(), &mut self.bits.at);
-        if symbol != self.code.run {
-            out[0] = symbol as u16;
-            self.last = Some(out[0]);
-            return Ok(1);
-        }
-        self.due = self.bits.take(8) as usize;
-        if self.last.is_none() {
-            return Err(Damaged("a run of no word"));
-        }
-        if self.bits.at > self.end {
-            return Err(Damaged("words cut short"));
-        }
-        Ok(self.repeat(out))
-    }
-
-    /// Writes what is due of a run.
-    fn repeat(&mut self, out: &mut [u16]) -> usize {
-        let now = self.due.min(out.len());
-        out[..now].fill(self.last.unwrap_or(0));
-        self.due -= now;
-        now
-    }
-
-    /// Checks that nothing is left.
-    pub fn end(self) -> Result<(), Damaged> {
-        if self.bits.at == self.end && self.due == 0 {
-            Ok(())
-        } else {
-            Err(Damaged("more words than samples"))
-        }
-    }
-}
-
-/// Bytes read bit by bit, the highest first. Behind the last one there are zeros.
-#[derive(Clone, Copy)]
-struct Bits<'a> {
-    bytes: &'a [u8],
-    at: usize,
-}
-
-impl Bits<'_> {
-    /// The next 57 bits or more, from the top.
-    #[inline(always)]
-    fn ahead(&self) -> u64 {
-        let bytes = self.bytes.get(self.at >> 3..).unwrap_or(&[]);
-        let eight = bytes
-            .first_chunk()
-            .map_or_else(|| last_bytes(bytes), |eight| u64::from_be_bytes(*eight));
-        eight << (self.at & 7)
-    }
-
-    /// The next 64 bits.
-    #[inline(always)]
-    fn all_ahead(&self) -> u64 {
-        let ninth = self.bytes.get((self.at >> 3) + 8).copied().unwrap_or(0);
-        self.ahead() | u64::from(ninth) >> (8 - (self.at & 7))
-    }
-
-    fn take(&mut self, count: usize) -> u64 {
-        let bits = self.ahead() >> (64 - count);
-        self.at += count;
-        bits
-    }
-}
-
-#[cold]
-fn last_bytes(bytes: &[u8]) -> u64 {
-    let mut eight = [0; 8];
-    eight[..bytes.len()].copy_from_slice(bytes);
-    u64::from_be_bytes(eight)
-}
+pub(super) const UNTOLD: u32 = u32::MAX << 8;
 
 /// The lengths of so many symbols' code words, 0 for none, and how many bytes they took.
-fn lengths(bytes: &[u8], count: usize) -> Result<(Vec<u8>, usize), Damaged> {
+pub(super) fn lengths(bytes: &[u8], count: usize) -> Result<(Vec<u8>, usize), Damaged> {
     let mut bits = Bits { bytes, at: 0 };
     let mut lengths = Vec::with_capacity(count);
     while lengths.len() < count && bits.at <= 8 * bytes.len() {
@@ -195,23 +40,24 @@ fn lengths(bytes: &[u8], count: usize) -> Result<(Vec<u8>, usize), Damaged> {
 }
 
 /// A canonical code.
-struct Code {
+pub(super) struct Code {
     /// By the next [`LOOKED_UP`] bits: the symbol and the length of its code word, in the low byte;
     /// or [`UNTOLD`] and the least length that begins so.
-    table: Box<[u32; 1 << LOOKED_UP]>,
+    pub table: Box<[u32; 1 << LOOKED_UP]>,
     /// The lowest code word of each length, from the top of 64 bits.
     lowest: [u64; LONGEST + 1],
     /// Where the symbols of each length begin.
     first: [usize; LONGEST + 1],
     /// Symbols by length, rising.
     symbols: Vec<u32>,
-    run: u32,
+    /// The symbol for runs.
+    pub run: u32,
 }
 
 impl Code {
     /// The code of the symbols from `first` on with code words of these lengths. They must fill all
     /// bits, as Huffman's do.
-    fn new(first: usize, lengths: &[u8]) -> Result<Code, Damaged> {
+    pub fn new(first: usize, lengths: &[u8]) -> Result<Code, Damaged> {
         let mut counts = [0usize; LONGEST + 1];
         lengths.iter().for_each(|&length| counts[usize::from(length)] += 1);
         counts[0] = 0;
@@ -264,7 +110,7 @@ impl Code {
 
     /// The symbol whose code word stands at the top of `ahead`; `at` moves behind it.
     #[inline(always)]
-    fn symbol(&self, ahead: u64, at: &mut usize) -> u32 {
+    pub fn symbol(&self, ahead: u64, at: &mut usize) -> u32 {
         let entry = self.table[(ahead >> (64 - LOOKED_UP)) as usize];
         let mut length = (entry & 63) as usize;
         while length < LONGEST && ahead < self.lowest[length] {
