@@ -89,6 +89,11 @@ impl Shown {
         self.bytes[17] == 1
     }
 
+    /// Whether it is the exact picture that the page rests on.
+    fn lasts(&self) -> bool {
+        self.bytes[16] == 2
+    }
+
     fn picture(&self) -> &[u8] {
         &self.bytes[Head::LENGTH..]
     }
@@ -172,14 +177,14 @@ fn time_stands_still_at_rest_and_runs_as_fast_as_it_is_told() {
     let ran = page.picture(|shown| shown.time() > 3.0);
     assert!(ran.playing());
     page.say(json!({ "play": false }));
-    let stopped = page.picture(|shown| !shown.playing());
+    let stopped = page.picture(|shown| shown.lasts());
     page.say(json!({ "before": true }));
     assert_eq!(page.picture(|_| true).time(), stopped.time(), "asking changes no time");
     page.say(json!({ "scrub": 0.0 }));
-    assert_eq!(page.picture(|shown| !shown.playing() && shown.time() == 0.0).time(), 0.0);
+    assert_eq!(page.picture(|shown| shown.lasts() && shown.time() == 0.0).time(), 0.0);
     page.say(json!({ "scrub": 1e9 }));
     assert!(!page.words("history").as_array().unwrap().is_empty(), "told before the picture");
-    page.picture(|shown| !shown.playing() && shown.time() == stopped.time());
+    page.picture(|shown| shown.lasts() && shown.time() == stopped.time());
     page.say(json!({ "rest": true }));
     assert_eq!(page.picture(|shown| shown.time() == 0.0).time(), 0.0);
 }
@@ -191,11 +196,11 @@ fn going_back_shows_the_very_picture_that_was_there() {
     page.say(json!({ "play": true, "speed": 20 }));
     page.picture(|shown| shown.time() > 1.0);
     page.say(json!({ "play": false, "look": [0.3, 0.3], "id": 1 }));
-    let then = page.picture(|shown| !shown.playing() && shown.id() == 1);
+    let then = page.picture(|shown| shown.lasts() && shown.id() == 1);
     page.say(json!({ "play": true, "look": [0.8, 0.2], "id": 2 }));
     page.picture(|shown| shown.time() > then.time() + 2.0);
     page.say(json!({ "scrub": then.time() }));
-    let again = page.picture(|shown| !shown.playing() && shown.time() <= then.time());
+    let again = page.picture(|shown| shown.lasts() && shown.time() <= then.time());
     assert_eq!(again.time(), then.time());
     assert_eq!(decoded(again.picture()), decoded(then.picture()));
 }
@@ -310,13 +315,13 @@ fn a_changed_observer_lives_the_same_path_once_more() {
     page.say(json!({ "play": true, "speed": 10 }));
     page.picture(|shown| shown.time() > 1.0);
     page.say(json!({ "play": false }));
-    let young = page.picture(|shown| !shown.playing());
+    let young = page.picture(|shown| shown.lasts());
     page.say(json!({ "set": { "observer.half_bleach_log_td": [6.0, 6.0, 6.0] } }));
-    let other = page.picture(|shown| !shown.playing() && shown.time() == young.time());
+    let other = page.picture(|shown| shown.lasts() && shown.time() == young.time());
     assert_ne!(decoded(other.picture()), decoded(young.picture()));
     page.say(json!({ "set": { "observer.half_bleach_log_td": null } }));
     let again = page.picture(|shown| {
-        !shown.playing() && shown.time() == young.time() && shown.picture() != other.picture()
+        shown.lasts() && shown.time() == young.time() && shown.picture() != other.picture()
     });
     assert_eq!(decoded(again.picture()), decoded(young.picture()));
 }
@@ -328,7 +333,7 @@ fn what_is_saved_is_replayed_by_a_run_to_the_picture_that_was_shown_and_opens_ag
     page.say(json!({ "play": true, "speed": 20 }));
     page.picture(|shown| shown.time() > 2.0);
     page.say(json!({ "play": false, "look": [0.2, 0.7], "id": 1 }));
-    let shown = page.picture(|shown| !shown.playing() && shown.id() == 1);
+    let shown = page.picture(|shown| shown.lasts() && shown.id() == 1);
     page.say(json!({ "save": true }));
     let saved = page.words("saved");
     let folder =
@@ -341,7 +346,7 @@ fn what_is_saved_is_replayed_by_a_run_to_the_picture_that_was_shown_and_opens_ag
     page.say(json!({ "rest": true }));
     page.picture(|shown| shown.time() == 0.0);
     page.say(json!({ "open": saved["name"] }));
-    let opened = page.picture(|again| !again.playing() && again.time() == shown.time());
+    let opened = page.picture(|again| again.lasts() && again.time() == shown.time());
     assert_eq!(decoded(opened.picture()), decoded(shown.picture()));
     page.say(json!({ "open": "../saved" }));
     while !page.words("note").as_str().unwrap().contains("no saved viewing") {}

@@ -100,6 +100,8 @@ class Live {
   met(head) {
     this.measure(head.id);
     this.playing = head.playing;
+    this.begun = head.playing || head.time > 0;
+    $("begin").hidden = this.begun;
     if (head.id >= this.looks) this.gaze = head.gaze;
     $("play").textContent = head.playing ? "Pause" : "Play";
     if (head.time > (this.times.at(-1) ?? -1)) {
@@ -166,8 +168,6 @@ class Live {
 
   play(on) {
     if (on && !this.begun) {
-      this.begun = true;
-      $("begin").hidden = true;
       this.hint("You are staring at the ring. After a few seconds, click somewhere else to look there.");
     }
     stage.mark(this.gaze, true);

@@ -107,6 +107,19 @@ impl Live {
         self.lived.checked_sub(1).map_or(0.0, |last| self.path[last].end)
     }
 
+    /// The configuration of a run that follows this path, beside it in a file of this name.
+    ///
+    /// # Errors
+    /// A sequence whose frames have listed times: a path's own times would take their place.
+    pub fn viewing(&self, path: &str) -> Result<String> {
+        let listed = self.config.settings.time.listed().is_some();
+        if listed && !self.reel.is_still() {
+            let problem = "a viewing of a sequence needs fps or interval_s in its place";
+            return Err(self.config.wrong("time.times_s", problem));
+        }
+        self.config.viewing(path)
+    }
+
     /// The path, as far as it is known.
     pub fn path(&self) -> &[Moment] {
         &self.path
@@ -224,6 +237,7 @@ impl Live {
     pub fn picture(&self, before: bool) -> Picture {
         Picture {
             head: self.head,
+            lasts: true,
             percept: if before { self.before.clone() } else { self.percept.clone() },
             to_srgb: self.scene.vision.seen_to_srgb.map(|row| row.map(|v| v as f32)),
             display: self.display,

@@ -139,14 +139,18 @@ impl Pace {
         Ok(())
     }
 
-    /// A new look at the next tick; at rest, a glance.
+    /// A new look at the next tick; at rest, a glance. A sequence takes a look for each frame: where
+    /// they are more than can be shown, pictures are passed over, not time.
     fn look(&mut self, exchange: &Exchange<Picture>) -> Result<()> {
         self.wait();
+        let (begun, known) = (Instant::now(), self.live.path().len());
         let end = self.live.now() + self.elapsed();
-        let known = self.live.path().len();
-        if !self.live.look(self.gaze, end)? {
-            // A sequence is over.
-            (self.playing, self.gaze) = (false, self.live.gaze());
+        while self.live.now() < end && begun.elapsed() < LONGEST {
+            if !self.live.look(self.gaze, end)? {
+                // A sequence is over.
+                (self.playing, self.gaze) = (false, self.live.gaze());
+                break;
+            }
         }
         if self.live.path().len() <= known {
             // It had gone back: what came later is no more.
@@ -171,7 +175,8 @@ impl Pace {
     fn show(&mut self, exchange: &Exchange<Picture>) {
         let mut picture = self.live.picture(self.before);
         picture.head.id = self.id;
-        picture.head.playing = self.playing || self.live.is_behind();
+        picture.head.playing = self.playing;
+        picture.lasts = self.is_at_rest();
         self.shown = Instant::now();
         if let Some(old) = exchange.show(picture) {
             self.live.recycle(old);

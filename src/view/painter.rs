@@ -19,6 +19,8 @@ const QUALITY: u8 = 90;
 pub struct Picture {
     /// All but the number and the form, which the painter knows.
     pub head: Head,
+    /// Whether it stays on the page: then it is exact.
+    pub lasts: bool,
     pub percept: Arc<Planes>,
     /// The percept's RGB -> linear sRGB in cd/m2.
     pub to_srgb: [[f32; 3]; 3],
@@ -38,7 +40,7 @@ impl Painter {
     /// # Errors
     /// A picture that its form cannot hold.
     pub fn paint(&mut self, seq: u32, picture: &Picture) -> io::Result<Vec<u8>> {
-        let form = if picture.head.playing { Form::Jpeg } else { Form::Png };
+        let form = if picture.lasts { Form::Png } else { Form::Jpeg };
         let mut bytes = Head { seq, form, ..picture.head }.bytes();
         let Picture { percept, to_srgb, display, map, .. } = picture;
         let [width, height] = picture.head.size;

@@ -23,7 +23,7 @@ pub fn save(live: &Live, out: &Path) -> Result<String> {
     if live.path().is_empty() {
         return Err(Error::config("save", "path", "nothing has been looked at yet"));
     }
-    let text = live.config().viewing(PATH)?;
+    let text = live.viewing(PATH)?;
     std::fs::create_dir_all(out).map_err(Error::io(out, "create"))?;
     let name = free_name(out)?;
     let folder = out.join(&name);
