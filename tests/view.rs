@@ -336,9 +336,9 @@ fn what_is_saved_is_replayed_by_a_run_to_the_picture_that_was_shown_and_opens_ag
     let shown = page.picture(|shown| shown.lasts() && shown.id() == 1);
     page.say(json!({ "save": true }));
     let saved = page.words("saved");
-    let folder =
-        PathBuf::from(saved["folder"].as_str().unwrap()).join(saved["name"].as_str().unwrap());
-    let config = Config::load(Some(&folder.join("view.toml")), &[]).unwrap();
+    let (out, name) = (saved["folder"].as_str().unwrap(), saved["name"].as_str().unwrap());
+    let path = PathBuf::from(out).join(name).join(format!("{name}.toml"));
+    let config = Config::load(Some(&path), &[]).unwrap();
     let out = server.out.path().join("run");
     sungaze::run::run(&config, &out, Default::default(), &sungaze::run::Unwatched).unwrap();
     let last = out.join(format!("display.{:04}.png", saved["looks"].as_u64().unwrap()));

@@ -40,7 +40,8 @@ fn lived(toml: &str, base: &Path, deeds: &[Deed]) -> Live {
 fn replays(mut live: Live, size: [usize; 2]) {
     let folder = tempfile::tempdir().unwrap();
     let name = view::save(&live, folder.path()).unwrap();
-    let config = Config::load(Some(&folder.path().join(name).join("view.toml")), &[]).unwrap();
+    let path = folder.path().join(&name).join(format!("{name}.toml"));
+    let config = Config::load(Some(&path), &[]).unwrap();
     let out = folder.path().join("run");
     run::run(&config, &out, Default::default(), &Unwatched).unwrap();
     for (i, moment) in live.path().to_vec().into_iter().enumerate() {

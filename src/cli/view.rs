@@ -38,7 +38,7 @@ pub fn command(path: Option<&Path>, asked: &Asked, common: &Common) -> Result<Ex
     if let Some(width) = width {
         config = config.with_values(&[("input.width".into(), width.into())])?;
     }
-    let folder = common.folder(&config.name);
+    let folder = common.folder("view");
     let view = View::start(config, asked.port, folder)?;
     say::result(&view.url())?;
     if !asked.no_open {

@@ -61,7 +61,7 @@ class Live {
   }
 
   saved({ name, folder, looks, names }) {
-    this.hint(`Saved ${looks} looks in ${folder}/${name}. "sungaze run ${folder}/${name}/view.toml" makes the same pictures.`);
+    this.hint(`Saved ${looks} looks in ${folder}/${name}. "sungaze run ${folder}/${name}/${name}.toml" makes the same pictures.`);
     this.offerSaved(names);
   }
 

@@ -4,7 +4,7 @@ class Report {
     Object.assign(this, { data, pictures: new Map(), index: 0, playing: 0, held: false });
     $("title").textContent = data.title;
     document.title = `${data.title} - sungaze`;
-    $("keys").textContent = "Keys: left and right one frame, space plays, hold B for before.";
+    $("keys").textContent = "Drag over the picture to compare with before. Keys: left and right one frame, space plays, hold B for before, escape ends comparing.";
     $("words").append(...inWords(data.report));
     this.listen();
     this.offerCases();
@@ -120,6 +120,12 @@ class Report {
     this.paint();
   }
 
+  /** Shows the picture before, left of a share of the width in per cent. */
+  wipe(share) {
+    $("wipe").value = share;
+    this.paint();
+  }
+
   listen() {
     $("time").addEventListener("input", () => this.go(Number($("time").value)));
     $("wipe").addEventListener("input", () => this.paint());
@@ -127,8 +133,7 @@ class Report {
     $("play").addEventListener("click", () => this.toggle());
     const drag = (event) => {
       if (!event.buttons) return;
-      $("wipe").value = 100 * stage.fractions(event)[0];
-      this.paint();
+      this.wipe(100 * stage.fractions(event)[0]);
     };
     $("stage").addEventListener("pointerdown", drag);
     $("stage").addEventListener("pointermove", drag);
@@ -142,6 +147,7 @@ class Report {
     if (event.key in steps) this.go(this.index + steps[event.key]);
     else if (event.key === " " && event.target.tagName !== "BUTTON") this.toggle();
     else if (event.key.toLowerCase() === "b" && !event.repeat) this.hold(true);
+    else if (event.key === "Escape") this.wipe(0);
     else return;
     event.preventDefault();
   }

@@ -1,4 +1,4 @@
-//! A saved viewing: a folder with `view.toml` and `gaze.csv`, which `sungaze run` replays to the very pictures that
+//! A saved viewing: a folder `view.0001` with `view.0001.toml` and `gaze.csv`, which `sungaze run` replays to the very pictures that
 //! were shown, bit for bit.
 
 use std::path::{Path, PathBuf};
@@ -8,9 +8,7 @@ use crate::config::Config;
 use crate::error::{Error, Result};
 use crate::frames::atomic;
 
-/// The configuration of a saved viewing.
-const CONFIG: &str = "view.toml";
-/// Its path.
+/// The path of a saved viewing.
 const PATH: &str = "gaze.csv";
 /// The most viewings in one folder.
 const MOST: usize = 9999;
@@ -28,8 +26,13 @@ pub fn save(live: &Live, out: &Path) -> Result<String> {
     let name = free_name(out)?;
     let folder = out.join(&name);
     atomic::write_text(&folder.join(PATH), &rows(live.path()))?;
-    atomic::write_text(&folder.join(CONFIG), &text)?;
+    atomic::write_text(&configuration(out, &name), &text)?;
     Ok(name)
+}
+
+/// Where the configuration of a viewing is. It has the viewing's name, as what is run of it will.
+fn configuration(out: &Path, name: &str) -> PathBuf {
+    out.join(name).join(format!("{name}.toml"))
 }
 
 /// Makes the next folder.
@@ -63,7 +66,7 @@ fn is_viewing(out: &Path, name: &str) -> bool {
     let number = name.strip_prefix("view.").unwrap_or_default();
     number.len() == 4
         && number.bytes().all(|b| b.is_ascii_digit())
-        && out.join(name).join(CONFIG).is_file()
+        && configuration(out, name).is_file()
 }
 
 /// The configuration of a viewing, by its name.
@@ -74,6 +77,5 @@ pub fn open(out: &Path, name: &str) -> Result<Config> {
     if !is_viewing(out, name) {
         return Err(Error::config("open", name, "is no saved viewing"));
     }
-    let path: PathBuf = out.join(name).join(CONFIG);
-    Config::load(Some(&path), &[])
+    Config::load(Some(&configuration(out, name)), &[])
 }
