@@ -108,6 +108,8 @@ class Chart {
       const share = value === null || (this.y.logarithmic && value <= 0) ? NaN : this.y.share(value);
       if (!(share >= -1e-6 && share <= 1 + 1e-6) || (this.x.logarithmic && time <= 0)) return void (pen = "M");
       path += `${pen}${this.x.at(time).toFixed(1)} ${this.y.at(value).toFixed(1)}`;
+      // A point that stands alone is a dot.
+      if (pen === "M") path += "h0";
       pen = "L";
     });
     return path;

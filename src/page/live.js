@@ -85,7 +85,8 @@ class Live {
     const float = (i) => view.getFloat32(40 + 4 * i, true);
     const head = { seq, id, playing: view.getUint8(17) === 1, time: view.getFloat64(24, true), p: [float(0), float(1), float(2)], pupil: float(3), fovea: float(4), gaze: [float(5), float(6)] };
     const type = view.getUint8(16) === 2 ? "image/png" : "image/jpeg";
-    const picture = await createImageBitmap(new Blob([new Uint8Array(data, HEAD)], { type }));
+    const picture = await createImageBitmap(new Blob([new Uint8Array(data, HEAD)], { type })).catch(() => null);
+    if (!picture) return this.say({ shown: seq });
     requestAnimationFrame(() => {
       // Pictures are decoded side by side: one that a newer has overtaken is not drawn.
       const newest = seq > (this.newest ?? 0);

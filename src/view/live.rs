@@ -70,7 +70,8 @@ impl Live {
         let saved = config.settings.time.follows_the_gaze();
         let still = scene.footage.len() == 1;
         let reel = Reel::new(&scene.steps, still);
-        let loaded = scene.sequence(Some(Vec::new())).load(reel.file(0.0), None)?;
+        let first = reel.file(0.0);
+        let loaded = scene.sequence(Some(Vec::new())).load(first, None)?;
         let display = config.display();
         let map = Arc::new(display.follow(None, &loaded.survey, Seconds(0.0)));
         let eye = scene.eye(&config)?;
@@ -87,7 +88,7 @@ impl Live {
             config,
             scene,
             reel,
-            loaded: (0, loaded),
+            loaded: (first, loaded),
             display,
             map,
             eye,
