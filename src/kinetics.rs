@@ -134,6 +134,24 @@ impl Kinetics {
         none / whole
     }
 
+    /// Time in the dark from `p` to `target` unbleached; 0 if it is there already. With B = 1 - p:
+    ///
+    /// ```text
+    /// tau ln(B0/B)                                         regeneration at 1/tau
+    /// tau (B0 - B + Km ln(B0/B))/(1 + Km)                  rate-limited
+    /// ```
+    pub fn recovery(&self, p: f64, target: f64) -> Seconds {
+        if p >= target {
+            return Seconds(0.0);
+        }
+        let (before, after) = (1.0 - p, 1.0 - target);
+        let folds = (before / after).ln();
+        Seconds(match self.law {
+            Law::FirstOrder | Law::SelfScreened { .. } => self.tau.0 * folds,
+            Law::RateLimited { km } => self.tau.0 * (before - after + km * folds) / (1.0 + km),
+        })
+    }
+
     /// dp/dt, 1/s.
     pub fn change(&self, p: f64, light: Trolands) -> f64 {
         self.rates(p, light).change(p)
@@ -267,5 +285,23 @@ mod tests {
                 assert!((measured / kinetics.slope(p, light) - 1.0).abs() < 1e-8);
             }
         }
+    }
+
+    #[test]
+    fn recovery_takes_as_long_as_the_law_integrated_in_fine_steps() {
+        let laws = [Law::FirstOrder, Law::self_screened(0.5), Law::RateLimited { km: 0.2 }];
+        for law in laws {
+            let pigment = Kinetics { law, half_bleach: Trolands(2e4), tau: Seconds(90.0) };
+            let (mut p, mut time, h) = (0.1, 0.0, 1e-3);
+            while p < 0.95 {
+                let half = p + 0.5 * h * pigment.change(p, Trolands(0.0));
+                p += h * pigment.change(half, Trolands(0.0));
+                time += h;
+            }
+            let ours = pigment.recovery(0.1, 0.95).0;
+            assert!((ours / time - 1.0).abs() < 1e-4, "{law:?}: {ours} for {time}");
+        }
+        let pigment = Kinetics::standard()[0];
+        assert_eq!(pigment.recovery(0.96, 0.95), Seconds(0.0));
     }
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use proptest::prelude::*;
 
 use sungaze::config::Config;
-use sungaze::run::Gaze;
+use sungaze::run::GazePath;
 
 const SOUND: &str = r#"
 [input]
@@ -101,7 +101,7 @@ proptest! {
     #[test]
     fn a_mutated_gaze_path_is_read_or_refused(edits in prop::collection::vec((0usize..100, 0usize..16, any::<u8>()), 0..6)) {
         let text = mutated("time_s,x,y\n0,0.5,0.5\n2,0.25,1\n3e1,0,0.125\n", &edits);
-        if let Ok(Gaze::Path(points)) = Gaze::from_rows(&text) {
+        if let Ok(GazePath { points, .. }) = GazePath::from_rows(&text) {
             prop_assert!(points.windows(2).all(|w| w[0].0 < w[1].0));
             prop_assert!(points.iter().all(|(t, at)| t.is_finite() && at.iter().all(|v| (0.0..=1.0).contains(v))));
         }

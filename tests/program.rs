@@ -73,7 +73,7 @@ fn a_run_leaves_what_its_contract_says() {
     }
     assert_eq!(
         std::fs::read_dir(&o).unwrap().count(),
-        3 + 3 + 7,
+        4 + 4 + 7,
         "nothing else, no checkpoint, no temporary file"
     );
     let trace = std::fs::read_to_string(o.join("trace.csv")).unwrap();
@@ -82,12 +82,24 @@ fn a_run_leaves_what_its_contract_says() {
     ));
     assert_eq!(trace.lines().count(), 4);
     let probes = std::fs::read_to_string(o.join("probes.csv")).unwrap();
-    assert!(
-        probes.starts_with("frame,time_s,probe,I_L,I_M,I_S,p_L,p_M,p_S,X,Y,Z,x,y\n1,0.5,gaze,")
-    );
+    assert!(probes.starts_with(
+        "frame,time_s,probe,I_L,I_M,I_S,p_L,p_M,p_S,X,Y,Z,x,y,pupil_mm,lost_L,lost_M,lost_S\n\
+             1,0.5,gaze,"
+    ));
     let report: serde_json::Value =
         serde_json::from_slice(&output.stdout).expect("stdout is the report");
-    for key in ["config", "version", "constants", "plan", "check", "frames", "warnings", "timing"] {
+    for key in [
+        "config",
+        "version",
+        "constants",
+        "plan",
+        "check",
+        "frames",
+        "inputs",
+        "results",
+        "warnings",
+        "timing",
+    ] {
         assert!(!report[key].is_null(), "{key}");
     }
 }
@@ -439,6 +451,78 @@ fn nothing_prints_but_the_one_writer() {
             assert!(!text.contains(print), "{} has {print}, which panics or exits", file.display());
         }
     }
+}
+
+#[test]
+fn frames_are_run_without_a_configuration_and_what_is_missing_is_asked_for_at_once() {
+    let folder = folder();
+    let plain = |name: &str| {
+        let planes = Planes::float(4, 2, 3);
+        let path = folder.path().join(name);
+        let about = About::default();
+        write_exr(&path, &["R", "G", "B"], &planes, Compression::Zip, &about).unwrap();
+    };
+    ["sun.0001.exr", "sun.0002.exr", "a still.exr"].into_iter().for_each(plain);
+    let asked = sungaze(folder.path(), &["run", "a still.exr"]);
+    assert_eq!(code(&asked), 2);
+    for words in ["--fov DEG", "--white CD_M2", "sungaze run 'a still.exr' --fov 40 --white 100"] {
+        assert!(told(&asked).contains(words), "{}", told(&asked));
+    }
+    let light = ["--fov", "8", "--white", "1000", "--quiet"];
+    let still = [&["run", "a still.exr", "--for", "0.5", "--fps", "4"], &light[..]].concat();
+    assert_eq!(code(&sungaze(folder.path(), &still)), 0);
+    assert!(folder.path().join("out/a still/seen.0002.exr").exists());
+    assert!(!folder.path().join("out/a still/seen.0003.exr").exists());
+    let sequence = [&["run", "sun.####.exr"], &light[..]].concat();
+    assert_eq!(code(&sungaze(folder.path(), &sequence)), 0);
+    let trace = std::fs::read_to_string(folder.path().join("out/sun/trace.csv")).unwrap();
+    assert_eq!(trace.lines().count(), 3);
+    let planned = sungaze(folder.path(), &[&["plan", "sun.####.exr"], &light[..]].concat());
+    assert_eq!(code(&planned), 0, "{}", told(&planned));
+    let asked = sungaze(folder.path(), &["plan", "sun.####.exr", "--white", "3"]);
+    assert!(told(&asked).contains("sungaze plan 'sun.####.exr' --fov 40"), "{}", told(&asked));
+}
+
+#[test]
+fn only_the_pictures_of_the_range_are_written_and_the_tables_have_all_rows() {
+    let folder = folder();
+    assert_eq!(code(&run_small(folder.path(), &["--out", "all"])), 0);
+    let some = run_small(folder.path(), &["--out", "some", "--set", "output.range=3"]);
+    assert_eq!(code(&some), 0, "{}", told(&some));
+    let read = |name: &str| std::fs::read(folder.path().join(name)).ok();
+    for name in ["display.0003.png", "state.exr", "trace.csv", "probes.csv"] {
+        let (some, all) = (read(&format!("some/{name}")), read(&format!("all/{name}")));
+        assert!(name == "state.exr" || some == all, "{name}");
+        assert!(some.is_some());
+    }
+    assert!(folder.path().join("some/seen.0003.exr").exists());
+    assert!(read("some/seen.0002.exr").is_none() && read("some/seen.start.exr").is_none());
+    let none = run_small(folder.path(), &["--out", "none", "--set", "output.range=7-9"]);
+    assert_eq!(code(&none), 2);
+    assert!(told(&none).contains("the frames are 1 to 3"), "{}", told(&none));
+}
+
+#[test]
+fn the_start_is_the_light_itself_before_anything_has_bleached() {
+    let folder = folder();
+    picture(&folder.path().join("in.exr"), 8, 4, [3.0, 2.0, 70.0]);
+    let run = |out: &str, more: &[&str]| {
+        let frames = ["run", "in.exr", "--fov", "8", "--for", "5", "--fps", "1", "--quiet"];
+        let output = sungaze(folder.path(), &[&frames, more, &["--out", out]].concat());
+        assert_eq!(code(&output), 0, "{}", told(&output));
+    };
+    let read = |name: &str| {
+        let paths = [folder.path().join(name)];
+        let footage = sungaze::frames::open(&paths, &Default::default()).unwrap();
+        footage.read(0, None, None).unwrap().planes
+    };
+    for model in ["auto", "tracked", "steady", "none"] {
+        run(model, &["--set", &format!("numerics.model={model}")]);
+        assert_eq!(read("in.exr"), read(&format!("{model}/seen.start.exr")), "{model}");
+    }
+    assert_ne!(read("in.exr"), read("steady/seen.0001.exr"));
+    run("adapted", &["--set", "observer.start=adapted"]);
+    assert_eq!(read("adapted/seen.start.exr"), read("steady/seen.0001.exr"));
 }
 
 #[test]

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
+use proptest::prelude::*;
 use sungaze::config::Config;
 use sungaze::kinetics::{Kinetics, Law};
 use sungaze::run::{Existing, Unwatched};
@@ -42,11 +43,11 @@ fn table(toml: &str) -> Vec<HashMap<String, f64>> {
     let outcome = sweep::sweep(&config, &out, Existing::Refuse, Part::All, &Unwatched).unwrap();
     let text = std::fs::read_to_string(outcome.table.unwrap()).unwrap();
     let mut lines = text.lines();
-    let names: Vec<&str> = lines.next().unwrap().rsplitn(12, ',').take(11).collect();
+    let names: Vec<&str> = lines.next().unwrap().rsplitn(20, ',').take(19).collect();
     let numbers = |line: &str| {
         let last = names
             .iter()
-            .zip(line.rsplitn(12, ','))
+            .zip(line.rsplitn(20, ','))
             .map(|(name, v)| ((*name).to_owned(), v.parse().unwrap()));
         last.chain([("duration_s".to_owned(), line.split(',').nth(1).unwrap().parse().unwrap())])
             .collect()
@@ -161,7 +162,7 @@ fn one_process_an_array_of_jobs_and_any_number_of_threads_leave_the_same_files()
     }
     assert!(one.iter().zip(&many).all(|(a, b)| a.1 == b.1));
     let table = std::fs::read_to_string(folder.path().join("one/sweep.csv")).unwrap();
-    let head = "case,duration_s,observer.half_bleach_log_td,input.sun_elevation_deg,probe,I_L,I_M,I_S,p_L,p_M,p_S,X,Y,Z,x,y\n\
+    let head = "case,duration_s,observer.half_bleach_log_td,input.sun_elevation_deg,probe,I_L,I_M,I_S,p_L,p_M,p_S,X,Y,Z,x,y,pupil_mm,lost_L,lost_M,lost_S,steady_p_L,steady_p_M,steady_p_S,recovery_95_s\n\
                 0,0,\"[4.3, 4.3, 5.0]\",0.5,gaze,";
     assert!(table.starts_with(head), "{table}");
     assert_eq!(table.lines().count(), 1 + 4 * 3);
@@ -342,36 +343,105 @@ fn samples(path: &Path) -> sungaze::light::Samples {
     footage.read(0, None, None).unwrap().planes.samples
 }
 
+/// The rows of a table's last time, from `probe` to `lost_S`.
+fn last_rows(table: &str, from: usize, count: usize) -> Vec<String> {
+    let rows = table.lines().rev().take(count);
+    rows.map(|row| row.split(',').skip(from).take(15).collect::<Vec<_>>().join(",")).collect()
+}
+
+/// Holds every cell of a sweep against the last frame of the run that ends there. `ends`: the
+/// `times_s` of that run; `durations`: those of the sweep, from 0.
+fn cells_are_runs(folder: &Path, toml: &str, durations: &[f64], ends: impl Fn(usize) -> String) {
+    let text = format!("{toml}[sweep]\ndurations_s = {durations:?}\n");
+    let config = Config::parse(&text, "test", "test", folder, &[]).unwrap();
+    let swept = tempfile::tempdir().unwrap();
+    sweep::sweep(&config, swept.path(), Existing::Refuse, Part::All, &Unwatched).unwrap();
+    let table = std::fs::read_to_string(swept.path().join("sweep.csv")).unwrap();
+    for (cell, duration) in durations.iter().enumerate() {
+        let sets = [format!("time.times_s={}", ends(cell.max(1)))];
+        let config = Config::parse(toml, "test", "test", folder, &sets).unwrap();
+        let ran = tempfile::tempdir().unwrap();
+        let report = sungaze::run::run(&config, ran.path(), Existing::Refuse, &Unwatched);
+        let frames = report.unwrap().report["frames"]["count"].as_u64().unwrap();
+        let name = if cell == 0 { "start".into() } else { format!("{frames:04}") };
+        let seen = swept.path().join(format!("case.0000/seen.{:04}.exr", cell + 1));
+        let same = samples(&seen) == samples(&ran.path().join(format!("seen.{name}.exr")));
+        assert!(same, "{toml}\n{duration} s");
+        let probes = std::fs::read_to_string(ran.path().join("probes.csv")).unwrap();
+        let upto: String = table
+            .lines()
+            .take_while(|row| {
+                row.split(',').nth(1).unwrap().parse().map_or(true, |d: f64| d <= *duration)
+            })
+            .map(|row| format!("{row}\n"))
+            .collect();
+        if cell > 0 {
+            let count = if toml.contains("output.probe") { 2 } else { 1 };
+            assert_eq!(last_rows(&upto, 2, count), last_rows(&probes, 2, count), "{toml}");
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 12, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn a_cell_is_the_last_frame_of_the_run_that_ends_there(
+        mut durations in prop::collection::vec(1e-2f64..50.0, 1..4),
+        law in 0usize..3,
+        model in 0usize..3,
+        start in 0usize..2,
+        wanders in any::<bool>(),
+        at in prop::array::uniform2(0.0f64..1.0),
+    ) {
+        durations.sort_by(f64::total_cmp);
+        durations.dedup();
+        durations.insert(0, 0.0);
+        let folder = tempfile::tempdir().unwrap();
+        write_sequence(folder.path());
+        let [law, model, start] = [
+            ["first-order", "self-screened", "rate-limited"][law],
+            ["auto", "tracked", "steady"][model],
+            ["rested", "adapted"][start],
+        ];
+        let gaze = if wanders { "at = \"brightest\"".into() } else { format!("at = {at:?}") };
+        let toml = format!(
+            "[input]\nframes = \"f.0002.exr\"\nhorizontal_fov_deg = 8\n\
+             [observer]\nkinetics = \"{law}\"\nstart = \"{start}\"\npupil_closing_s = 0.2\n\
+             [numerics]\nmodel = \"{model}\"\n[gaze]\n{gaze}\n"
+        );
+        cells_are_runs(folder.path(), &toml, &durations, |cell| format!("{:?}", &durations[..=cell]));
+    }
+}
+
 #[test]
-fn a_sequence_looked_at_where_its_frames_end_is_a_run() {
+fn a_cell_of_a_sequence_under_a_wandering_gaze_is_the_last_frame_of_the_run_that_ends_there() {
     let folder = tempfile::tempdir().unwrap();
     write_sequence(folder.path());
-    let text = format!("{SEQUENCE}[sweep]\ndurations_s = [0, 0.25, 1, 3]\n");
-    let config = Config::parse(&text, "test", "test", folder.path(), &[]).unwrap();
-    let (swept, ran) = (folder.path().join("swept"), folder.path().join("ran"));
-    sweep::sweep(&config, &swept, Existing::Refuse, Part::All, &Unwatched).unwrap();
-    let table = std::fs::read_to_string(swept.join("sweep.csv")).unwrap();
-    sungaze::run::run(&config, &ran, Existing::Refuse, &Unwatched).unwrap();
-    let probes = std::fs::read_to_string(ran.join("probes.csv")).unwrap();
-    let ends: Vec<&str> =
-        probes.lines().filter(|row| row.starts_with("1,1,") || row.starts_with("3,3,")).collect();
-    let looks: Vec<&str> =
-        table.lines().filter(|row| row.starts_with("0,1,") || row.starts_with("0,3,")).collect();
-    assert_eq!((ends.len(), looks.len()), (4, 4));
-    let numbers =
-        |row: &str| row.split(',').skip(3).map(|v| v.parse::<f64>().unwrap()).collect::<Vec<_>>();
-    for (end, look) in ends.iter().zip(&looks) {
-        // The first frame is cut at 0.25 s, so the last bits of p may differ.
-        let pairs: Vec<(f64, f64)> = numbers(end).into_iter().zip(numbers(look)).collect();
-        assert!(pairs.iter().all(|(a, b)| (a - b).abs() <= 1e-6 * a.abs()), "{end}\n{look}");
+    let toml = SEQUENCE.replace("fps = 1\n", "");
+    // The second frame is cut at 1.25 s, so the run has it twice.
+    let frames = "[\"f.0001.exr\", \"f.0002.exr\", \"f.0002.exr\", \"f.0003.exr\"]";
+    let toml = toml.replace("\"f.####.exr\"", frames);
+    let edges = [0.0, 1.0, 1.25, 2.0, 3.0];
+    let whole = format!("{toml}[sweep]\ndurations_s = {:?}\n", &edges[1..]);
+    let whole = whole.replace("[time]\n", "[time]\ntimes_s = [0, 1, 1.25, 2, 3]\n");
+    let cut = format!("{SEQUENCE}[sweep]\ndurations_s = {:?}\n", &edges[1..]);
+    let out = |name: &str| folder.path().join(name);
+    for (name, text) in [("whole", &whole), ("cut", &cut)] {
+        let config = Config::parse(text, "test", "test", folder.path(), &[]).unwrap();
+        sweep::sweep(&config, &out(name), Existing::Refuse, Part::All, &Unwatched).unwrap();
     }
-    let (a, b) =
-        (samples(&swept.join("case.0000/seen.0004.exr")), samples(&ran.join("seen.0003.exr")));
-    let (sungaze::light::Samples::Float(a), sungaze::light::Samples::Float(b)) = (a, b) else {
-        panic!("float in, float out")
-    };
-    assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() <= 1e-4 * b.abs().max(1.0)));
-    assert!(swept.join("case.0000/display.0001.png").exists());
+    let table = |name: &str| std::fs::read_to_string(out(name).join("sweep.csv")).unwrap();
+    assert_eq!(table("whole"), table("cut"));
+    let config = whole.split("[sweep]").next().unwrap();
+    let config = Config::parse(config, "test", "test", folder.path(), &[]).unwrap();
+    sungaze::run::run(&config, &out("ran"), Existing::Refuse, &Unwatched).unwrap();
+    for frame in 1..=4 {
+        let seen = |place: &str| samples(&out(&format!("{place}/seen.{frame:04}.exr")));
+        assert!(seen("cut/case.0000") == seen("ran"), "frame {frame}");
+    }
+    let probes = std::fs::read_to_string(out("ran/probes.csv")).unwrap();
+    assert_eq!(last_rows(&table("cut"), 2, 8), last_rows(&probes, 2, 8));
 }
 
 #[test]
@@ -440,7 +510,7 @@ fn a_probe_on_black_has_no_chromaticity_and_its_sweep_finishes() {
     succeeds(folder.path(), &["s.toml", "--out", "o", "--merge"]);
     let table = std::fs::read_to_string(folder.path().join("o/sweep.csv")).unwrap();
     assert_eq!(
-        table.lines().skip(1).filter(|row| row.ends_with(",0,0,0,NaN,NaN")).count(),
+        table.lines().skip(1).filter(|row| row.contains(",0,0,0,NaN,NaN,")).count(),
         2,
         "{table}"
     );

@@ -2,14 +2,7 @@
 
 use std::time::Instant;
 
-/// The processor's own name where the system tells it, else the architecture and system.
-pub(super) fn name() -> String {
-    let told = std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| {
-        let line = text.lines().find(|line| line.starts_with("model name"))?;
-        Some(line.split_once(':')?.1.trim().to_owned())
-    });
-    told.unwrap_or_else(|| format!("{} {}", std::env::consts::ARCH, std::env::consts::OS))
-}
+pub(super) use crate::run::report::processor as name;
 
 /// Runs of which the median is taken. They are spread over the whole measurement, so that another
 /// program's burst falls upon few runs of any one method.

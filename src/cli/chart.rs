@@ -7,7 +7,9 @@ use serde_json::{Map, Value};
 use sungaze::chart::{self, CHARTS, Chart};
 use sungaze::error::{Error, Result};
 
-use super::{Common, say, table};
+use sungaze::sweep::typed;
+
+use super::{Common, say};
 
 /// Makes the named charts, or all, and prints what was written.
 pub fn command(names: &[String], common: &Common) -> Result<ExitCode> {
@@ -28,7 +30,7 @@ pub fn command(names: &[String], common: &Common) -> Result<ExitCode> {
         if common.json {
             rows.insert(
                 chart.name.into(),
-                if csv.exists() { table::rows(&csv)? } else { Value::Null },
+                if csv.exists() { typed::rows(&csv)? } else { Value::Null },
             );
         } else {
             say::result(&format!("{}", csv.with_extension("png").display()))?;

@@ -2,13 +2,13 @@
 
 mod chart;
 mod completions;
+mod frames;
 mod inspect;
 mod plan;
 mod run;
 mod say;
 mod stop;
 mod sweep;
-mod table;
 mod validate;
 mod view;
 mod watch;
@@ -31,13 +31,17 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Take a frame sequence through the eye. Without CONFIG: the built-in sunset.
+    /// Take frames through the eye. Without an argument: the built-in sunset.
     #[command(
-        after_help = "Example:\n  sungaze run configs/sunset.toml --set observer.age=60 --out out/sixty"
+        after_help = "Example:\n  sungaze run configs/sunset.toml --set observer.age=60 --out out/sixty\n  \
+                            sungaze run 'shot/sun.####.exr' --fov 40 --white 5000 --fps 24"
     )]
     Run {
-        /// A TOML file; without one, the built-in defaults.
+        /// A TOML file, or frames: a file or a pattern such as sun.####.exr.
+        #[arg(value_name = "CONFIG or FRAMES")]
         config: Option<PathBuf>,
+        #[command(flatten)]
+        keys: frames::Keys,
         #[command(flatten)]
         common: Common,
     },
@@ -59,8 +63,11 @@ enum Command {
         after_help = "Examples:\n  sungaze view\n  sungaze view --port 8765 --no-open   and elsewhere: ssh -L 8765:127.0.0.1:8765 HOST"
     )]
     View {
-        /// A TOML file; without one, the built-in sunset.
+        /// A TOML file, or frames; without one, the built-in sunset.
+        #[arg(value_name = "CONFIG or FRAMES")]
         config: Option<PathBuf>,
+        #[command(flatten)]
+        keys: frames::Keys,
         #[command(flatten)]
         asked: view::Asked,
         #[command(flatten)]
@@ -86,7 +93,11 @@ enum Command {
     /// Writes nothing.
     #[command(after_help = "Example:\n  sungaze plan configs/sunset.toml")]
     Plan {
+        /// A TOML file, or frames: a file or a pattern such as sun.####.exr.
+        #[arg(value_name = "CONFIG or FRAMES")]
         config: PathBuf,
+        #[command(flatten)]
+        keys: frames::Keys,
         #[command(flatten)]
         common: Common,
     },
@@ -183,13 +194,13 @@ pub fn main() -> ExitCode {
 
 fn dispatch(command: Command) -> Result<ExitCode> {
     match command {
-        Command::Run { config, common } => run::command(config.as_deref(), &common),
+        Command::Run { config, keys, common } => run::command(config.as_deref(), &keys, &common),
         Command::Sweep { config, asked, common } => sweep::command(&config, &asked, &common),
-        Command::View { config, asked, common } => {
-            view::command(config.as_deref(), &asked, &common)
+        Command::View { config, keys, asked, common } => {
+            view::command(config.as_deref(), &keys, &asked, &common)
         }
         Command::Chart { names, common } => chart::command(&names, &common),
-        Command::Plan { config, common } => plan::command(&config, &common),
+        Command::Plan { config, keys, common } => plan::command(&config, &keys, &common),
         Command::Inspect { files, common } => inspect::command(&files, &common),
         Command::Validate { common } => validate::command(&common),
         Command::Completions { shell } => completions::command(shell, &mut Cli::command()),

@@ -4,16 +4,16 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use serde_json::Value;
-use sungaze::config::Config;
 use sungaze::error::Result;
 use sungaze::run;
 
+use super::frames::Keys;
 use super::watch::Terminal;
 use super::{Common, say};
 
 /// Surveys a configuration's frames and prints what a run would model, and what it would leave out.
-pub fn command(path: &Path, common: &Common) -> Result<ExitCode> {
-    let config = Config::load(Some(path), &common.set)?;
+pub fn command(path: &Path, keys: &Keys, common: &Common) -> Result<ExitCode> {
+    let config = keys.load(Some(path), &common.set, "plan")?;
     common.pool()?;
     let terminal = Terminal::new(common.quiet);
     let plan = run::rehearse(&config, &terminal);

@@ -3,16 +3,16 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use sungaze::config::Config;
 use sungaze::error::Result;
 use sungaze::run;
 
+use super::frames::Keys;
 use super::watch::Terminal;
 use super::{Common, say};
 
 /// Runs a configuration and prints where its files are.
-pub fn command(path: Option<&Path>, common: &Common) -> Result<ExitCode> {
-    let config = Config::load(path, &common.set)?;
+pub fn command(path: Option<&Path>, keys: &Keys, common: &Common) -> Result<ExitCode> {
+    let config = keys.load(path, &common.set, "run")?;
     common.pool()?;
     let folder = common.folder(&config.name);
     let terminal = Terminal::new(common.quiet);

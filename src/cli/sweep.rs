@@ -8,10 +8,10 @@ use serde_json::{Map, Value};
 
 use sungaze::config::{Config, Sweep};
 use sungaze::error::Result;
-use sungaze::sweep::{self, Part};
+use sungaze::sweep::{self, Part, typed};
 
 use super::watch::Terminal;
-use super::{Common, say, table};
+use super::{Common, say};
 
 /// Which part of a sweep is asked for.
 #[derive(Args, Clone)]
@@ -47,7 +47,7 @@ pub fn command(path: &Path, asked: &Asked, common: &Common) -> Result<ExitCode> 
     terminal.end();
     let outcome = outcome?;
     if common.json {
-        let rows = outcome.table.as_deref().map_or(Ok(Value::Array(Vec::new())), table::rows)?;
+        let rows = outcome.table.as_deref().map_or(Ok(Value::Array(Vec::new())), typed::rows)?;
         say::result(&format!("{rows:#}"))?;
     } else if part == Part::Merge {
         say::result(&format!("{}: all cases gathered", folder.display()))?;
@@ -69,7 +69,7 @@ fn list(sweep: &Sweep, json: bool) -> Result<()> {
     if json {
         let object = |case: &sungaze::config::Case| {
             let values =
-                pairs(&case.values).into_iter().map(|(key, value)| (key, table::value(value)));
+                pairs(&case.values).into_iter().map(|(key, value)| (key, typed::value(&value)));
             Value::Object(
                 std::iter::once(("case".into(), case.number.into()))
                     .chain(values)

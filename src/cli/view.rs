@@ -6,10 +6,10 @@ use std::time::Duration;
 
 use clap::Args;
 
-use sungaze::config::Config;
 use sungaze::error::{Error, Result};
 use sungaze::view::View;
 
+use super::frames::Keys;
 use super::{Common, say, stop};
 
 /// How often the signals are asked for.
@@ -30,8 +30,13 @@ pub struct Asked {
 }
 
 /// Serves a configuration until the program is stopped.
-pub fn command(path: Option<&Path>, asked: &Asked, common: &Common) -> Result<ExitCode> {
-    let mut config = Config::load(path, &common.set)?;
+pub fn command(
+    path: Option<&Path>,
+    keys: &Keys,
+    asked: &Asked,
+    common: &Common,
+) -> Result<ExitCode> {
+    let mut config = keys.load(path, &common.set, "view")?;
     common.pool()?;
     let built_in = config.settings.input.frames.is_none();
     let width = asked.width.or((built_in && !config.gives("input.width")).then_some(960));

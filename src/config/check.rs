@@ -1,5 +1,7 @@
 //! Values that have the right type and are wrong all the same.
 
+use std::collections::HashSet;
+
 use super::Wrong;
 use super::settings::{Aim, Channels, DisplayFile, PupilKey, Settings, Steep, SurroundKey};
 
@@ -123,16 +125,16 @@ fn time(s: &Settings) -> Check {
         return follows_the_gaze(s);
     }
     let Some(times) = t.listed() else { return Ok(()) };
-    if times.first() != Some(&0.0)
-        || times.windows(2).any(|w| w[0] >= w[1])
-        || times.iter().any(|t| !t.is_finite())
-    {
-        return Err((
-            "time.times_s".into(),
-            format!("found {times:?}; accepted: seconds that begin at 0 and rise"),
-        ));
+    let wrong = |found: String| {
+        let accepted = "seconds that begin at 0 and rise";
+        Err(("time.times_s".into(), format!("found {found}; accepted: {accepted}")))
+    };
+    match (times.first(), times.windows(2).find(|w| w[0] >= w[1] || !w[1].is_finite())) {
+        (None, _) => wrong("an empty list".into()),
+        (Some(&first), _) if first != 0.0 => wrong(format!("{first} at the beginning")),
+        (_, Some(pair)) => wrong(format!("{} after {}", pair[1], pair[0])),
+        _ => Ok(()),
     }
-    Ok(())
 }
 
 /// Frames end at the rows of the gaze path: it must be there, and say when the last ends.
@@ -185,14 +187,16 @@ fn observer(s: &Settings) -> Check {
 }
 
 fn probes(s: &Settings) -> Check {
-    for (i, probe) in s.output.probe.iter().enumerate() {
+    let mut names = HashSet::new();
+    for probe in &s.output.probe {
         point("output.probe.at", probe.at)?;
-        let unprintable = probe.name.is_empty() || probe.name.contains([',', '"', '\n', '\r']);
-        if unprintable || s.output.probe[..i].iter().any(|other| other.name == probe.name) {
+        let unprintable = probe.name.is_empty()
+            || probe.name.contains(|c: char| c.is_control() || c == ',' || c == '"');
+        if unprintable || !names.insert(&probe.name) {
             return wrong(
                 "output.probe.name",
                 &probe.name,
-                "a name of its own, without commas, quotes and line breaks",
+                "a name of its own, without commas, quotes and control characters",
             );
         }
     }

@@ -63,7 +63,7 @@ pub struct Input {
     pub horizon: Option<Horizon>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frames: Option<OneOrMany>,
-    #[serde(skip_serializing_if = "String::is_empty")]
+    #[serde(skip_serializing_if = "String::is_empty", deserialize_with = "word_or_number")]
     pub range: String,
     pub kind: FileKind,
     #[serde(skip_serializing_if = "String::is_empty")]
@@ -117,6 +117,20 @@ impl Default for Input {
             max_pixels: 268_435_456,
         }
     }
+}
+
+/// A range, of which one frame may be written as a number.
+fn word_or_number<'de, D: serde::Deserializer<'de>>(from: D) -> Result<String, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged, expecting = "a range of frames such as \"1001-1100\"")]
+    enum Either {
+        Word(String),
+        Number(u32),
+    }
+    Ok(match Either::deserialize(from)? {
+        Either::Word(word) => word,
+        Either::Number(number) => number.to_string(),
+    })
 }
 
 /// A pattern, or a list of files.
@@ -370,7 +384,10 @@ pub struct Output {
     pub display: DisplayFile,
     pub state: StateKey,
     pub video: String,
+    #[serde(skip_serializing_if = "String::is_empty", deserialize_with = "word_or_number")]
+    pub range: String,
     pub page: bool,
+    pub marks: bool,
     pub compression: String,
     pub checkpoint_s: f64,
     pub probe: Vec<Probe>,
@@ -384,7 +401,9 @@ impl Default for Output {
             display: DisplayFile::Png,
             state: StateKey::Last,
             video: "none".into(),
+            range: String::new(),
             page: true,
+            marks: false,
             compression: "auto".into(),
             checkpoint_s: 30.0,
             probe: Vec::new(),

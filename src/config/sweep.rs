@@ -1,6 +1,8 @@
 //! `[sweep]`: exposure durations, and lists of values for any keys. The cases are the product of
 //! the lists, numbered from 0, the last list running fastest.
 
+use std::collections::HashSet;
+
 use serde::Deserialize;
 use toml::Value;
 
@@ -44,8 +46,63 @@ pub struct Spaced {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Vary {
-    pub key: String,
-    pub values: Vec<Value>,
+    pub key: Keys,
+    pub values: Values,
+}
+
+/// One key, or several that move together.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(untagged, expecting = "a key, or a list of keys that move together")]
+pub enum Keys {
+    One(String),
+    Together(Vec<String>),
+}
+
+/// A list of values (of lists, one value a key, where several move together), or logarithmic steps.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(untagged, expecting = "a list of values, or { from, to, count } for logarithmic steps")]
+pub enum Values {
+    // First: a list of three would do for a `Spaced` as well.
+    Listed(Vec<Value>),
+    Spaced(Spaced),
+}
+
+impl Keys {
+    /// The keys, in their order.
+    pub fn names(&self) -> &[String] {
+        match self {
+            Keys::One(key) => std::slice::from_ref(key),
+            Keys::Together(keys) => keys,
+        }
+    }
+}
+
+impl Vary {
+    /// How many values there are.
+    fn len(&self) -> usize {
+        match &self.values {
+            Values::Listed(list) => list.len(),
+            Values::Spaced(spaced) => spaced.count,
+        }
+    }
+
+    /// Value `i`, and what it gives to each key.
+    fn at(&self, i: usize) -> Vec<(String, Value)> {
+        let value = match &self.values {
+            Values::Listed(list) => list[i].clone(),
+            Values::Spaced(spaced) => Value::Float(spaced.at(i)),
+        };
+        match (&self.key, value) {
+            (Keys::One(key), value) => vec![(key.clone(), value)],
+            (Keys::Together(keys), Value::Array(row)) => keys.iter().cloned().zip(row).collect(),
+            (Keys::Together(_), _) => Vec::new(),
+        }
+    }
+}
+
+/// A value as it stands in a table: TOML, a word without its quotes.
+fn plain(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), str::to_owned)
 }
 
 /// A sweep whose every case has been checked.
@@ -63,7 +120,7 @@ pub struct Sweep {
 #[derive(Clone, Debug)]
 pub struct Case {
     pub number: usize,
-    /// The value of each varied key, as TOML.
+    /// The value of each varied key, as it stands in a table.
     pub values: Vec<String>,
     pub config: Config,
     /// Which value of each list it is.
@@ -75,21 +132,32 @@ const MOST: usize = 10_000;
 
 type Wrong = (&'static str, String);
 
+impl Spaced {
+    fn check(self) -> Result<(), String> {
+        let Spaced { from, to, count } = self;
+        if from > 0.0 && from < to && to.is_finite() && (2..=MOST).contains(&count) {
+            return Ok(());
+        }
+        let found = format!("found from {from} to {to}, {count} of them");
+        Err(format!("{found}; accepted: 0 < from < to, 2 to {MOST} of them"))
+    }
+
+    /// Step `i`; the last is exactly `to`.
+    fn at(self, i: usize) -> f64 {
+        let Spaced { from, to, count } = self;
+        let share = i as f64 / (count - 1) as f64;
+        if i + 1 == count { to } else { from * (to / from).powf(share) }
+    }
+}
+
 impl Durations {
     fn seconds(&self) -> Result<Vec<f64>, Wrong> {
         let key = "durations_s";
         match *self {
             Durations::Listed(ref list) => rising(list).map_err(|problem| (key, problem)),
-            Durations::Spaced(Spaced { from, to, count }) => {
-                if !(from > 0.0 && from < to && to.is_finite() && (2..=MOST).contains(&count)) {
-                    let found = format!("found from {from} to {to}, {count} of them");
-                    return Err((
-                        key,
-                        format!("{found}; accepted: 0 < from < to in seconds, 2 to {MOST} of them"),
-                    ));
-                }
-                let at = |i: usize| from * (to / from).powf(i as f64 / (count - 1) as f64);
-                Ok((0..count - 1).map(at).chain([to]).collect())
+            Durations::Spaced(spaced) => {
+                spaced.check().map_err(|problem| (key, problem))?;
+                Ok((0..spaced.count).map(|i| spaced.at(i)).collect())
             }
         }
     }
@@ -122,7 +190,7 @@ impl Config {
         let wrong = |(key, problem): Wrong| self.wrong(&format!("sweep.{key}"), problem);
         let durations = keys.durations_s.seconds().map_err(wrong)?;
         self.check_lists(&keys.vary)?;
-        let count = keys.vary.iter().map(|vary| vary.values.len()).fold(1, usize::saturating_mul);
+        let count = keys.vary.iter().map(Vary::len).fold(1, usize::saturating_mul);
         if count > MOST {
             return Err(wrong((
                 "vary",
@@ -131,22 +199,35 @@ impl Config {
         }
         let cases =
             (0..count).map(|number| self.case(&keys.vary, number)).collect::<Result<_>>()?;
-        let names = keys.vary.iter().map(|vary| vary.key.clone()).collect();
+        let names = keys.vary.iter().flat_map(|vary| vary.key.names().to_vec()).collect();
         Ok(Sweep { durations, pictures: keys.pictures, keys: names, cases })
     }
 
     fn check_lists(&self, lists: &[Vary]) -> Result<()> {
         for (i, vary) in lists.iter().enumerate() {
+            let names = vary.key.names();
+            let label = names.join(", ");
             let wrong = |part: &str, problem: &str| {
-                Err(self.wrong_at(&format!("sweep.vary.{i}.{part}"), &vary.key, problem))
+                Err(self.wrong_at(&format!("sweep.vary.{i}.{part}"), &label, problem))
             };
-            if vary.values.is_empty() {
-                return wrong("values", "has an empty list of values; give at least one");
+            if names.is_empty() || vary.len() == 0 {
+                let part = if names.is_empty() { "key" } else { "values" };
+                return wrong(part, "has an empty list of values; give at least one");
             }
-            if vary.key.split('.').next() == Some("sweep") {
+            if let Values::Spaced(spaced) = &vary.values
+                && let Err(problem) = spaced.check()
+            {
+                return wrong("values", &problem);
+            }
+            if (0..vary.len().min(MOST)).any(|j| vary.at(j).len() != names.len()) {
+                return wrong("values", "need one value for each of the keys that move together");
+            }
+            if names.iter().any(|name| name.split('.').next() == Some("sweep")) {
                 return wrong("key", "cannot be varied: a sweep has one [sweep]");
             }
-            if lists[..i].iter().any(|other| other.key == vary.key) {
+            let before = lists[..i].iter().flat_map(|other| other.key.names());
+            let mut seen: HashSet<&String> = before.collect();
+            if !names.iter().all(|name| seen.insert(name)) {
                 return wrong("key", "is varied twice; one list a key");
             }
         }
@@ -156,12 +237,11 @@ impl Config {
     fn case(&self, lists: &[Vary], number: usize) -> Result<Case> {
         let mut rest = number;
         let mut chosen: Vec<usize> =
-            lists.iter().rev().map(|vary| take(&mut rest, vary.values.len())).collect();
+            lists.iter().rev().map(|vary| take(&mut rest, vary.len())).collect();
         chosen.reverse();
-        let picked = || lists.iter().zip(&chosen).map(|(vary, &j)| (&vary.key, &vary.values[j]));
         let changes: Vec<(String, Value)> =
-            picked().map(|(key, value)| (key.clone(), value.clone())).collect();
-        let values = picked().map(|(_, value)| value.to_string()).collect();
+            lists.iter().zip(&chosen).flat_map(|(vary, &j)| vary.at(j)).collect();
+        let values = changes.iter().map(|(_, value)| plain(value)).collect();
         let mut case = Case { number, values, config: self.clone(), chosen };
         case.config = self.with(&changes).map_err(|error| case.located(error))?;
         Ok(case)
@@ -180,11 +260,13 @@ impl Case {
     pub fn located(&self, error: Error) -> Error {
         let Error::Config { key, problem, .. } = &error else { return error };
         let lists = self.config.settings.sweep.as_ref().map_or(&[][..], |sweep| &sweep.vary);
-        let Some(i) = lists.iter().position(|vary| vary.key == *key) else { return error };
-        let path = if problem.starts_with("unknown field") {
-            format!("sweep.vary.{i}.key")
-        } else {
-            format!("sweep.vary.{i}.values.{}", self.chosen[i])
+        let Some(i) = lists.iter().position(|vary| vary.key.names().contains(key)) else {
+            return error;
+        };
+        let path = match lists[i].values {
+            _ if problem.starts_with("unknown field") => format!("sweep.vary.{i}.key"),
+            Values::Spaced(_) => format!("sweep.vary.{i}.values"),
+            Values::Listed(_) => format!("sweep.vary.{i}.values.{}", self.chosen[i]),
         };
         self.config.wrong_at(&path, key, problem)
     }
@@ -208,6 +290,20 @@ mod tests {
         assert_eq!(sweep.cases[4].values, ["70", "[2, 2, 2]"]);
         assert_eq!(sweep.cases[4].config.settings.observer.tau_s, [2.0; 3]);
         assert_eq!(sweep.keys, ["observer.age", "observer.tau_s"]);
+    }
+
+    #[test]
+    fn keys_may_move_together_and_values_may_be_spaced() {
+        let text = "[sweep]\ndurations_s = [1]\n[[sweep.vary]]\n\
+                    key = [\"observer.age\", \"numerics.method\"]\n\
+                    values = [[20, \"exact\"], [70, \"rk4\"]]\n[[sweep.vary]]\n\
+                    key = \"observer.km\"\nvalues = { from = 0.1, to = 10, count = 3 }\n";
+        let sweep = sweep(text).unwrap();
+        assert_eq!(sweep.keys, ["observer.age", "numerics.method", "observer.km"]);
+        let values: Vec<_> = sweep.cases.iter().map(|case| case.values.join(" ")).collect();
+        assert_eq!(values[..3], ["20 exact 0.1", "20 exact 1.0", "20 exact 10.0"]);
+        assert_eq!(values[3..], ["70 rk4 0.1", "70 rk4 1.0", "70 rk4 10.0"]);
+        assert_eq!(sweep.cases[5].config.settings.observer.km, 10.0);
     }
 
     #[test]
@@ -250,6 +346,10 @@ mod tests {
             (vary("\"observer.km\"", "0.2"), ":8", "sweep"),
             (vary("\"observer.age\"", "[3]"), ":7", "twice"),
             (vary("\"sweep.pictures\"", "[true]"), ":7", "one [sweep]"),
+            (vary("\"observer.km\"", "{ from = 0, to = 1, count = 3 }"), ":8", "from 0 to 1"),
+            (vary("\"observer.km\"", "{ from = 1, to = 1e9, count = 3 }"), ":8", "observer.km"),
+            (vary("[\"observer.km\", \"observer.eyes\"]", "[[1, 2], [1]]"), ":8", "one value"),
+            (vary("[\"observer.km\", \"observer.km\"]", "[[1, 2]]"), ":7", "twice"),
         ] {
             let told_us = sweep(&text).unwrap_err().to_string();
             assert!(

@@ -36,7 +36,7 @@ impl Eye {
     /// Looks at a frame for a while. `gaze`: where, in pixels. Frame and places to check must be of
     /// the eye's size and number of planes.
     pub fn look_at(&mut self, stimulus: Stimulus<'_>, gaze: [f64; 2], duration: Seconds) -> Look {
-        if std::mem::take(&mut self.adapts_first) {
+        if self.adapts_first && self.first_gaze.is_none() {
             self.adapt_to(stimulus, gaze, duration);
         }
         let first = *self.first_gaze.get_or_insert(gaze);
@@ -51,7 +51,9 @@ impl Eye {
         let adapting = self.adapting(stimulus.planes, stimulus.survey, gaze);
         let pupil = self.pupil.follow(adapting, duration);
         let operator = self.aimed(retinal, pupil, gaze);
-        let model = self.plan.model(self.model, &self.pigments, duration);
+        // A look of no length moves nothing, whatever the model.
+        let moving = self.plan.model(self.model, &self.pigments, duration);
+        let model = if duration.0 == 0.0 { Model::Unbleached } else { moving };
         let context = LookContext {
             retinal,
             shown: None,
@@ -78,9 +80,11 @@ impl Eye {
     /// The steady state of a frame, before the first look at it. The pupil is that of the first
     /// look, and nothing is left out.
     fn adapt_to(&mut self, stimulus: Stimulus<'_>, gaze: [f64; 2], duration: Seconds) {
+        self.first_gaze = Some(gaze);
         let (pupil, model) = (self.pupil.clone(), self.model);
         let plan = std::mem::replace(&mut self.plan, Plan::new(None));
         self.model = Model::Steady;
+        let duration = Seconds(duration.0.max(f64::MIN_POSITIVE));
         let look = self.look_at(Stimulus { checked: &[], ..stimulus }, gaze, duration);
         self.recycle(look.percept);
         (self.pupil, self.model, self.plan) = (pupil, model, plan);

@@ -62,7 +62,6 @@ impl Eye {
         if !self.plan.fits(&plan, retina.size()[1]) || !self.pupil.fits(&pupil) {
             return Err(Error::light("the state is of an eye with another plan or pupil"));
         }
-        self.adapts_first &= first_gaze.is_none();
         self.retina = retina;
         self.pupil = pupil;
         self.plan = plan;

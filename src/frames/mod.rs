@@ -59,6 +59,7 @@ pub use options::{ChannelNames, Negative, NonFinite, Quantity, ReadOptions, Want
 pub use picture::{Footage, Header, Kind, View, ViewProjection};
 pub use plate::Plate;
 pub use png_bytes::decode_png;
+pub use range::parse as parse_range;
 pub use sequence::{Missing, Sequence};
 pub use state::{read_state, write_state};
 pub use transfer::{Transfer, TransferKey};

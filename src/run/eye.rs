@@ -16,7 +16,7 @@ use crate::eye::{self, Eye, Look, Stimulus};
 use crate::frames;
 use crate::light::{Planes, Samples};
 use crate::run::checkpoint::{self, Checkpoint};
-use crate::run::gaze::Gaze;
+use crate::run::gaze::{Gaze, Moment};
 use crate::run::inputs::{Input, digest_of_steps};
 use crate::run::reader::Loaded;
 use crate::run::record::{self, Probe, Reading};
@@ -30,6 +30,8 @@ use crate::units::Seconds;
 pub(crate) struct Watching {
     pub eye: Eye,
     pub gaze: Gaze,
+    /// The frames that have pictures, if not all.
+    range: Option<Vec<u32>>,
     pub probes: Vec<Probe>,
     pub display: Option<Display>,
     pub map: Option<Arc<ToneMap>>,
@@ -50,6 +52,7 @@ impl Watching {
         Ok(Watching {
             eye: scene.eye(config)?,
             gaze: Gaze::of(config)?,
+            range: scene.range.clone(),
             probes: record::probes(config),
             display: shown.then(|| config.display()),
             map: None,
@@ -112,12 +115,12 @@ impl Watching {
         }
     }
 
-    /// Looks at a frame over a span of time, and reads the probes. `aim`: the time for which the
+    /// Looks at a frame over a span of time, and reads the probes. `aim`: the moment for which the
     /// gaze is asked.
     pub fn look(
         &mut self,
         loaded: &Loaded,
-        aim: f64,
+        aim: Moment,
         duration: Seconds,
         recycled: Option<Planes>,
     ) -> (Look, Vec<Reading>) {
@@ -153,19 +156,22 @@ impl Watching {
         let planes = &loaded.frame.planes;
         let size = [planes.width, planes.height];
         let duration = Seconds(step.duration);
-        let (look, readings) = self.look(loaded, step.end(), duration, recycled);
+        let aim = Moment { time: step.middle(), frame: step.number };
+        let (look, readings) = self.look(loaded, aim, duration, recycled);
         self.meet(&look, step);
+        let pictured = self.is_pictured(step);
         if let Some(display) = &self.display {
             let map = display.follow(self.map.as_deref(), &loaded.survey, duration);
             self.map = Some(Arc::new(map));
         }
         let finished = Finished {
-            number: step.number,
+            name: format!("{:04}", step.number),
+            pictured,
             file: step.file,
             trace: record::trace_row(&self.eye, planes, &look, step),
             probes: record::probe_rows(&readings, step),
             map: self.map.clone(),
-            state: self.state_file(step, size, last),
+            state: self.state_file(step, size, last, pictured),
             seen: look.percept,
         };
         self.done += 1;
@@ -173,20 +179,58 @@ impl Watching {
         finished
     }
 
+    fn is_pictured(&self, step: &Step) -> bool {
+        self.range.as_ref().is_none_or(|range| range.binary_search(&step.number).is_ok())
+    }
+
+    /// A look of no length, at what is seen before more has bleached; it leaves no trace.
+    pub fn glance(&mut self, loaded: &Loaded, aim: Moment) -> Result<(Look, Vec<Reading>)> {
+        let state = self.eye.state();
+        let seen = self.look(loaded, aim, Seconds(0.0), None);
+        self.eye.restore(state)?;
+        Ok(seen)
+    }
+
+    /// What is seen before the first frame has bleached anything.
+    pub fn at_the_start(&mut self, loaded: &Loaded, step: &Step) -> Result<Finished> {
+        let begun = Instant::now();
+        let aim = Moment { time: step.start, frame: step.number };
+        let (look, _) = self.glance(loaded, aim)?;
+        let map = self.display.as_ref();
+        let map = map.map(|display| Arc::new(display.follow(None, &loaded.survey, Seconds(0.0))));
+        self.timing.simulate_s += begun.elapsed().as_secs_f64();
+        Ok(Finished {
+            name: "start".into(),
+            pictured: self.is_pictured(step),
+            file: step.file,
+            trace: String::new(),
+            probes: String::new(),
+            map,
+            state: None,
+            seen: look.percept,
+        })
+    }
+
     fn state_file(
         &self,
         step: &Step,
         size: [usize; 2],
         last: bool,
+        pictured: bool,
     ) -> Option<(Option<u32>, Planes, f64)> {
         let number = match self.state {
-            StateKey::Every => Some(step.number),
+            StateKey::Every if pictured => Some(step.number),
             StateKey::Last if last => None,
             _ => return None,
         };
         let view = self.eye.retina().first_view(size[0], size[1]);
         let samples = Samples::Float(view.iter().map(|&p| p as f32).collect());
         Some((number, Planes { width: size[0], height: size[1], count: 3, samples }, step.end()))
+    }
+
+    /// What to say if the sampled check of a planned run has found more than the budget.
+    pub fn beyond(&self, budget: f64) -> Option<String> {
+        self.eye.check().filter(|_| self.eye.plan().is_free())?.beyond(budget)
     }
 
     /// Takes note of what a look met.

@@ -6,27 +6,61 @@ use crate::config::Config;
 use crate::config::settings::{Aim, Seek};
 use crate::error::{Error, Result};
 
-/// Where the eye looks over a run, in fractions of width and height.
+/// Where the eye looks over a run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Gaze {
+    /// Fractions of width and height.
     At([f64; 2]),
     Brightest,
     BrightestEach,
-    /// Points in time, rising: straight lines between them, the ends go on.
-    Path(Vec<(f64, [f64; 2])>),
-    /// Points in time, rising: each is held from the one before until its own time.
-    Rows(Vec<(f64, [f64; 2])>),
+    Path(GazePath),
 }
+
+/// Points in time or by frame, rising: straight lines between them, the ends go on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GazePath {
+    /// Points stand at numbers of frames instead of times, s.
+    pub by_frame: bool,
+    /// Places are pixels, their centres at integers, instead of fractions of width and height.
+    pub in_pixels: bool,
+    /// Each point is held from the one before until its own time.
+    pub held: bool,
+    pub points: Vec<(f64, [f64; 2])>,
+}
+
+/// The moment for which a gaze is asked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// The middle of a frame, s.
+    pub time: f64,
+    /// Its number.
+    pub frame: u32,
+}
+
+/// The headers of a gaze path, what its points stand at and what its places are.
+const HEADERS: [(&str, bool, bool); 4] = [
+    ("time_s,x,y", false, false),
+    ("frame,x,y", true, false),
+    ("time_s,x_px,y_px", false, true),
+    ("frame,x_px,y_px", true, true),
+];
 
 impl Gaze {
     /// The gaze of `[gaze]`.
+    ///
+    /// # Errors
+    /// The path cannot be read, or its rows are not in order.
     pub fn of(config: &Config) -> Result<Gaze> {
         let keys = &config.settings.gaze;
         if let Some(path) = &keys.path {
-            let gaze = Gaze::from_file(&config.path(path))
+            let path = GazePath::from_file(&config.path(path))
                 .map_err(|e| config.wrong("gaze.path", e.to_string()))?;
             let held = config.settings.time.follows_the_gaze();
-            return Ok(if held { Gaze::Rows(gaze.rows()) } else { gaze });
+            if held && path.by_frame {
+                let problem = "\"gaze.path\" needs a path with time_s";
+                return Err(config.wrong("time.times_s", problem));
+            }
+            return Ok(Gaze::Path(GazePath { held, ..path }));
         }
         Ok(match keys.at {
             Aim::At(at) => Gaze::At(at),
@@ -35,22 +69,11 @@ impl Gaze {
         })
     }
 
-    fn from_file(path: &Path) -> Result<Gaze> {
-        let text = std::fs::read_to_string(path).map_err(Error::io(path, "read"))?;
-        Gaze::from_rows(text.trim_start_matches('\u{feff}'))
-            .map_err(|problem| Error::file(path, problem))
-    }
-
-    /// A path from rows of `time_s,x,y` under that header; the problem names the line.
-    pub fn from_rows(text: &str) -> Result<Gaze, String> {
-        parse_path(text).map(Gaze::Path)
-    }
-
-    /// The point looked at in pixels, at `time`. `brightest`: the centroid of the frame's brightest
-    /// region; `first`: where the first look went.
+    /// The point looked at in pixels. `brightest`: the centroid of the frame's brightest region;
+    /// `first`: where the first look went.
     pub fn pixel(
         &self,
-        time: f64,
+        at: Moment,
         brightest: impl FnOnce() -> [f64; 2],
         size: [usize; 2],
         first: Option<[f64; 2]>,
@@ -60,74 +83,101 @@ impl Gaze {
             Gaze::At(at) => of_fraction(*at),
             Gaze::Brightest => first.unwrap_or_else(brightest),
             Gaze::BrightestEach => brightest(),
-            Gaze::Path(points) => of_fraction(along(points, time)),
-            Gaze::Rows(points) => of_fraction(held(points, time)),
+            Gaze::Path(path) if path.in_pixels => path.place(at),
+            Gaze::Path(path) => of_fraction(path.place(at)),
         }
     }
 
-    /// The points of a path; none where there is no path.
+    /// The points in time of a path, fractions of the picture where it has those; none where there
+    /// is no such path.
     pub fn rows(self) -> Vec<(f64, [f64; 2])> {
         match self {
-            Gaze::Path(points) | Gaze::Rows(points) => points,
+            Gaze::Path(path) if !path.by_frame => path.points,
             _ => Vec::new(),
         }
     }
 
     /// Where the first look goes, in pixels.
     pub fn at_first(&self, brightest: impl FnOnce() -> [f64; 2], size: [usize; 2]) -> [f64; 2] {
-        self.pixel(0.0, brightest, size, None)
+        self.pixel(Moment { time: 0.0, frame: 0 }, brightest, size, None)
     }
 }
 
-/// The point of a path at a time.
-fn along(points: &[(f64, [f64; 2])], time: f64) -> [f64; 2] {
-    let next = points.partition_point(|&(t, _)| t <= time);
-    match (next.checked_sub(1).map(|i| points[i]), points.get(next)) {
-        (Some((t0, a)), Some(&(t1, b))) => {
-            [0, 1].map(|i| a[i] + (b[i] - a[i]) * (time - t0) / (t1 - t0))
-        }
-        (Some((_, at)), None) | (None, Some(&(_, at))) => at,
-        (None, None) => [0.5, 0.5],
+impl GazePath {
+    fn from_file(path: &Path) -> Result<GazePath> {
+        let text = std::fs::read_to_string(path).map_err(Error::io(path, "read"))?;
+        GazePath::from_rows(text.trim_start_matches('\u{feff}'))
+            .map_err(|problem| Error::file(path, problem))
     }
-}
 
-/// The first point at or after a time, but for rounding.
-fn held(points: &[(f64, [f64; 2])], time: f64) -> [f64; 2] {
-    let at = points.partition_point(|&(t, _)| t < time * (1.0 - 1e-12));
-    points.get(at).or(points.last()).map_or([0.5, 0.5], |&(_, at)| at)
-}
-
-/// Reads `time_s,x,y` rows.
-fn parse_path(text: &str) -> Result<Vec<(f64, [f64; 2])>, String> {
-    let mut lines = text
-        .lines()
-        .enumerate()
-        .filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
-    let header = lines.next().map(|(_, line)| line.trim().to_owned()).unwrap_or_default();
-    if header != "time_s,x,y" {
-        return Err(format!("found the header {header:?}; accepted: time_s,x,y"));
-    }
-    let mut points: Vec<(f64, [f64; 2])> = Vec::new();
-    for (i, line) in lines {
-        let cells: Vec<f64> = line.split(',').map_while(|cell| cell.trim().parse().ok()).collect();
-        let sound = |c: &&[f64]| c[0].is_finite() && c[1..].iter().all(|v| (0.0..=1.0).contains(v));
-        let Some(&[time, x, y]) =
-            Some(&cells[..]).filter(|c| c.len() == 3 && sound(c)).and_then(|c| c.first_chunk())
-        else {
-            return Err(format!(
-                "line {}: found {line:?}; accepted: a time in s and two fractions of the picture, 0 to 1",
-                i + 1
-            ));
+    /// A path from rows under one of the headers that are accepted.
+    ///
+    /// # Errors
+    /// A header or a row is wrong; the problem names its line.
+    pub fn from_rows(text: &str) -> Result<GazePath, String> {
+        let mut lines = text
+            .lines()
+            .enumerate()
+            .filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#'));
+        let header = lines.next().map(|(_, line)| line.trim()).unwrap_or_default();
+        let Some(&(_, by_frame, in_pixels)) = HEADERS.iter().find(|known| known.0 == header) else {
+            let known = HEADERS.map(|known| known.0).join(" | ");
+            return Err(format!("found the header {header:?}; accepted: {known}"));
         };
-        if points.last().is_some_and(|&(before, _)| before >= time) {
-            return Err(format!("line {}: time {time} does not rise", i + 1));
+        let mut path = GazePath { by_frame, in_pixels, held: false, points: Vec::new() };
+        for (i, line) in lines {
+            path.push(line).map_err(|problem| format!("line {}: {problem}", i + 1))?;
         }
-        points.push((time, [x, y]));
+        if path.points.is_empty() {
+            return Err(format!("holds no point; accepted: rows of {header}"));
+        }
+        Ok(path)
     }
-    if points.is_empty() {
-        Err("holds no point; accepted: rows of time_s,x,y".into())
-    } else {
-        Ok(points)
+
+    fn push(&mut self, line: &str) -> Result<(), String> {
+        let cells: Vec<f64> = line.split(',').map_while(|cell| cell.trim().parse().ok()).collect();
+        let whole = |v: f64| v >= 0.0 && v.fract() == 0.0 && v <= f64::from(u32::MAX);
+        let within = |v: f64| if self.in_pixels { v.is_finite() } else { (0.0..=1.0).contains(&v) };
+        let stands = |v: f64| if self.by_frame { whole(v) } else { v.is_finite() };
+        let [at, x, y] = match cells[..] {
+            [at, x, y] if stands(at) && within(x) && within(y) => [at, x, y],
+            _ => {
+                let at = if self.by_frame { "a frame's number" } else { "a time in s" };
+                let place = if self.in_pixels {
+                    "two coordinates in pixels"
+                } else {
+                    "two fractions of the picture, 0 to 1"
+                };
+                return Err(format!("found {line:?}; accepted: {at} and {place}"));
+            }
+        };
+        if self.points.last().is_some_and(|&(before, _)| before >= at) {
+            let what = if self.by_frame { "frame" } else { "time" };
+            return Err(format!("{what} {at} does not rise"));
+        }
+        self.points.push((at, [x, y]));
+        Ok(())
+    }
+
+    /// The place at a moment, in the path's own unit.
+    fn place(&self, moment: Moment) -> [f64; 2] {
+        let at = if self.by_frame { f64::from(moment.frame) } else { moment.time };
+        if self.held {
+            let point = self.points.partition_point(|&(time, _)| time < at * (1.0 - 1e-12));
+            return self
+                .points
+                .get(point)
+                .or(self.points.last())
+                .map_or([0.5, 0.5], |&(_, place)| place);
+        }
+        let next = self.points.partition_point(|&(t, _)| t <= at);
+        match (next.checked_sub(1).map(|i| self.points[i]), self.points.get(next)) {
+            (Some((t0, a)), Some(&(t1, b))) => {
+                [0, 1].map(|i| a[i] + (b[i] - a[i]) * (at - t0) / (t1 - t0))
+            }
+            (Some((_, place)), None) | (None, Some(&(_, place))) => place,
+            (None, None) => [0.5, 0.5],
+        }
     }
 }
 
@@ -135,22 +185,35 @@ fn parse_path(text: &str) -> Result<Vec<(f64, [f64; 2])>, String> {
 mod tests {
     use super::*;
 
+    fn place(path: &GazePath, time: f64, frame: u32) -> [f64; 2] {
+        path.place(Moment { time, frame })
+    }
+
     #[test]
     fn a_path_is_straight_between_its_points_and_rests_at_its_ends() {
-        let points =
-            parse_path("time_s,x,y\n0,0.5,0.5\n2,0.5,0.5\n# a comment\n3,0.9,0.1\n").unwrap();
-        assert_eq!(along(&points, -1.0), [0.5, 0.5]);
-        assert_eq!(along(&points, 2.5), [0.7, 0.3]);
-        assert_eq!(along(&points, 9.0), [0.9, 0.1]);
+        let rows = "time_s,x,y\n0,0.5,0.5\n2,0.5,0.5\n# a comment\n3,0.9,0.1\n";
+        let path = GazePath::from_rows(rows).unwrap();
+        assert_eq!(place(&path, -1.0, 9), [0.5, 0.5]);
+        assert_eq!(place(&path, 2.5, 9), [0.7, 0.3]);
+        assert_eq!(place(&path, 9.0, 9), [0.9, 0.1]);
+    }
+
+    #[test]
+    fn a_path_by_frame_gives_each_frame_its_row_and_pixels_are_taken_as_they_are() {
+        let path = GazePath::from_rows("frame,x_px,y_px\n1001,10,20\n1003,12,-5\n").unwrap();
+        assert_eq!(place(&path, 77.0, 1001), [10.0, 20.0]);
+        assert_eq!(place(&path, 77.0, 1002), [11.0, 7.5]);
+        assert_eq!(place(&path, 77.0, 1003), [12.0, -5.0]);
     }
 
     #[test]
     fn a_row_is_held_until_its_own_time_whatever_the_last_bits_of_a_frames_end() {
-        let points = [(0.1, [0.1; 2]), (0.3, [0.3; 2]), (0.4, [0.4; 2])];
+        let rows = "time_s,x,y\n0.1,0.1,0.1\n0.3,0.3,0.3\n0.4,0.4,0.4\n";
+        let path = GazePath { held: true, ..GazePath::from_rows(rows).unwrap() };
         for (time, at) in
             [(0.0, 0.1), (0.1, 0.1), (0.2, 0.3), (0.1 + 0.2, 0.3), (0.4, 0.4), (9.0, 0.4)]
         {
-            assert_eq!(held(&points, time), [at; 2], "{time}");
+            assert_eq!(place(&path, time, 1), [at; 2], "{time}");
         }
     }
 
@@ -158,13 +221,16 @@ mod tests {
     fn a_wrong_path_is_refused_with_its_line() {
         for (text, told) in [
             ("", "header"),
+            ("time,x,y\n", "frame,x_px,y_px"),
             ("time_s,x,y\n", "no point"),
             ("time_s,x,y\n0,0.5\n", "line 2"),
             ("time_s,x,y\n0,0.5,0.5\n0,0.6,0.5\n", "line 3"),
             ("time_s,x,y\n0,0.5,1.5\n", "line 2"),
             ("time_s,x,y\n0,NaN,0.5\n", "line 2"),
+            ("frame,x,y\n0.5,0.5,0.5\n", "line 2"),
+            ("time_s,x_px,y_px\n0,inf,0.5\n", "line 2"),
         ] {
-            let problem = parse_path(text).unwrap_err();
+            let problem = GazePath::from_rows(text).unwrap_err();
             assert!(problem.contains(told), "{text:?}: {problem}");
         }
     }

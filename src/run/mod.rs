@@ -43,7 +43,7 @@ use checkpoint::Checkpoint;
 pub(crate) use eye::Watching;
 pub(crate) use folder::{Claim, owned, same};
 pub use folder::{Existing, not_empty};
-pub use gaze::Gaze;
+pub use gaze::{Gaze, GazePath, Moment};
 pub(crate) use inputs::tables;
 pub(crate) use reader::Loaded;
 pub use rehearse::rehearse;
@@ -232,6 +232,10 @@ fn look_at_all(
             eye.timing.decode_s += loaded.took_s;
             held = Some(step.file);
         }
+        if eye.done == 0 {
+            let start = eye.at_the_start(&loaded, step)?;
+            let Some(()) = links.send(Delivery::Start(Box::new(start))) else { return Ok(()) };
+        }
         let begun = Instant::now();
         let Some(()) = look_at_one(scene, eye, &links, loaded) else { return Ok(()) };
         let due = last_checkpoint.elapsed() >= every || begun.elapsed() >= LONG;
@@ -290,8 +294,7 @@ fn finish(
         watch.warn(&warning);
         warnings.push(warning);
     }
-    let failed = eye.eye.check().filter(|_| eye.eye.plan().is_free());
-    let failed = failed.and_then(|check| check.beyond(config.settings.numerics.budget));
+    let failed = eye.beyond(config.settings.numerics.budget);
     if let Some(warning) = &failed {
         watch.warn(warning);
         warnings.push(warning.clone());
@@ -317,8 +320,9 @@ fn finish(
             "held": eye.counters.held_frames,
         },
         "inputs": eye.inputs,
+        "results": record::results(&folder.join("probes.csv"), eye.eye.pigments())?,
         "warnings": warnings,
-        "timing": timing,
+        "timing": timing.report(),
     });
     frames::atomic::write_lasting(&folder.join("report.json"), |to| writeln!(to, "{report:#}"))?;
     if config.settings.output.page {
@@ -336,7 +340,7 @@ fn film(config: &Config, scene: &Scene, folder: &Path, watch: &dyn Watch) -> Res
     if output.video == "none" {
         return Ok(());
     }
-    if let Some(command) = video::make(folder, &output.video, &scene.steps, watch)? {
+    if let Some(command) = video::make(folder, &output.video, &scene.pictured(), watch)? {
         watch.warn(&format!(
             "ffmpeg is not on the PATH; this makes the film where it is: {command}"
         ));

@@ -120,6 +120,7 @@ mod tests {
     use super::*;
     use crate::kinetics::{Kinetics, Law};
     use crate::plot::sheet::{Item, Point};
+    use crate::units::Millimetres;
     use crate::units::Seconds;
 
     const EYE: Cones = Cones {
@@ -133,7 +134,8 @@ mod tests {
 
     fn reading(light: f64, p: f64, luminance: f64) -> Reading {
         let xyz = [0.9, 1.0, 0.5].map(|share| share * luminance);
-        Reading { probe: "sun".into(), illuminance: [light; 3], p: [p; 3], xyz }
+        let (pupil, lost) = (Millimetres(3.0), [0.0; 3]);
+        Reading { probe: "sun".into(), illuminance: [light; 3], p: [p; 3], xyz, pupil, lost }
     }
 
     fn after(p: f64, light: f64, seconds: f64) -> f64 {

@@ -1,12 +1,15 @@
 //! Rows of `trace.csv` and `probes.csv`.
 
-use crate::colour::chromaticity;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 
+use serde_json::{Value, json};
+
+use crate::colour::chromaticity;
 use crate::config::Config;
 use crate::error::{Error, Result};
 use crate::eye::{Eye, Look};
+use crate::kinetics::Kinetics;
 use crate::light::Planes;
 use crate::run::schedule::Step;
 use crate::units::Millimetres;
@@ -16,7 +19,8 @@ pub const TRACE: &str = "frame,time_s,duration_s,gaze_x,gaze_y,adapting_cd_m2,pu
 fovea_bleached_L,fovea_bleached_M,fovea_bleached_S,max_bleached_L,max_bleached_M,max_bleached_S,model\n";
 
 /// Header of `probes.csv`.
-pub const PROBES: &str = "frame,time_s,probe,I_L,I_M,I_S,p_L,p_M,p_S,X,Y,Z,x,y\n";
+pub const PROBES: &str =
+    "frame,time_s,probe,I_L,I_M,I_S,p_L,p_M,p_S,X,Y,Z,x,y,pupil_mm,lost_L,lost_M,lost_S\n";
 
 /// A point of the picture that is traced through time; `None`: the gaze itself.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +39,9 @@ pub struct Reading {
     pub p: [f64; 3],
     /// The percept, cd/m2.
     pub xyz: [f64; 3],
+    pub pupil: Millimetres,
+    /// How much less each class of cones catches than if it were unbleached, log10; NaN in the dark.
+    pub lost: [f64; 3],
 }
 
 impl Reading {
@@ -42,7 +49,14 @@ impl Reading {
     pub fn columns(&self) -> String {
         let [x, y] = chromaticity(self.xyz);
         let numbers = [self.illuminance, self.p, self.xyz].concat().into_iter().chain([x, y]);
+        let numbers = numbers.chain([self.pupil.0]).chain(self.lost);
         numbers.fold(self.probe.clone(), |row, v| format!("{row},{v}"))
+    }
+
+    /// Seconds in the dark until L, M and S are all back at a fraction.
+    pub fn recovery(&self, pigments: &[Kinetics; 3], target: f64) -> f64 {
+        let seconds = [0, 1, 2].map(|k| pigments[k].recovery(self.p[k], target).0);
+        seconds.into_iter().fold(0.0, f64::max)
     }
 
     /// Chromaticity of the percept.
@@ -72,13 +86,21 @@ impl Probe {
     /// Reads the probe after a look.
     pub fn read(&self, eye: &Eye, planes: &Planes, look: &Look) -> Reading {
         let pixel = self.pixel([planes.width, planes.height], look.gaze);
-        let p = eye.fractions_at(look, pixel);
-        let moments = eye.vision().moments(planes, pixel[0], pixel[1]);
+        self.reading(eye, planes, look, eye.fractions_at(look, pixel))
+    }
+
+    /// What the probe reads where these fractions are unbleached.
+    pub fn reading(&self, eye: &Eye, planes: &Planes, look: &Look, p: [f64; 3]) -> Reading {
+        let (pixel, vision) = (self.pixel([planes.width, planes.height], look.gaze), eye.vision());
+        let moments = vision.moments(planes, pixel[0], pixel[1]);
+        let [whole, catch] = [[1.0; 3], p].map(|p| vision.catch(&moments, p));
         Reading {
             probe: self.name.clone(),
             illuminance: eye.illuminance_at(planes, look, pixel),
             p,
-            xyz: eye.vision().xyz(eye.vision().catch(&moments, p)),
+            xyz: vision.xyz(catch),
+            pupil: look.pupil,
+            lost: [0, 1, 2].map(|k| (whole[k] / catch[k]).log10()),
         }
     }
 }
@@ -115,6 +137,45 @@ fn foveal_bleaching(eye: &Eye, size: [usize; 2], look: &Look) -> [f64; 3] {
 pub fn probe_rows(readings: &[Reading], step: &Step) -> String {
     let row = |r: &Reading| format!("{},{},{}\n", step.number, step.end(), r.columns());
     readings.iter().map(row).collect()
+}
+
+/// What became of each probe, from `probes.csv`: its last reading, its greatest bleaching and when,
+/// and the seconds in the dark to 50, 90 and 95 %.
+///
+/// # Errors
+/// The table cannot be read.
+pub fn results(path: &Path, pigments: &[Kinetics; 3]) -> Result<Value> {
+    let file = std::fs::File::open(path).map_err(Error::io(path, "read"))?;
+    let mut results: Vec<(Reading, [(f64, f64); 3])> = Vec::new();
+    for line in BufReader::new(file).lines().skip(1) {
+        let line = line.map_err(Error::io(path, "read"))?;
+        let Some((time, reading)) = parse(&line) else { continue };
+        let at = results.iter().position(|(last, _)| last.probe == reading.probe);
+        let at = at.unwrap_or_else(|| {
+            results.push((reading.clone(), [(0.0, 0.0); 3]));
+            results.len() - 1
+        });
+        for (most, p) in results[at].1.iter_mut().zip(reading.p) {
+            if 1.0 - p > most.0 {
+                *most = (1.0 - p, time);
+            }
+        }
+        results[at].0 = reading;
+    }
+    Ok(results.iter().map(|(last, most)| result(last, most, pigments)).collect())
+}
+
+fn result(last: &Reading, most: &[(f64, f64); 3], pigments: &[Kinetics; 3]) -> Value {
+    json!({
+        "probe": last.probe,
+        "p": last.p,
+        "Y": last.xyz[1],
+        "greatest_bleached": most.map(|(bleached, _)| bleached),
+        "greatest_bleached_at_s": most.map(|(_, time)| time),
+        "recovery_50_s": last.recovery(pigments, 0.5),
+        "recovery_90_s": last.recovery(pigments, 0.9),
+        "recovery_95_s": last.recovery(pigments, 0.95),
+    })
 }
 
 /// At most this many frames of `probes.csv` are plotted, evenly thinned.
@@ -158,6 +219,8 @@ fn parse(line: &str) -> Option<(f64, Reading)> {
         illuminance: triple(3)?,
         p: triple(6)?,
         xyz: triple(9)?,
+        pupil: Millimetres(number(14)?),
+        lost: triple(15)?,
     };
     Some((number(1)?, reading))
 }
@@ -175,6 +238,8 @@ mod tests {
             illuminance: [1e6 / 3.0, 2.0, f64::from(i)],
             p: [0.1, 1.0, 1e-300],
             xyz: [0.0; 3],
+            pupil: Millimetres(3.0),
+            lost: [0.5; 3],
         };
         let step = |i: u32| Step { number: i, file: 0, start: f64::from(i), duration: 0.1 };
         let rows: String =

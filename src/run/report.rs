@@ -123,6 +123,14 @@ pub struct Timing {
 }
 
 impl Timing {
+    /// The seconds, and what they were spent on.
+    pub fn report(&self) -> Value {
+        let mut report = serde_json::to_value(self).unwrap_or_default();
+        report["threads"] = rayon::current_num_threads().into();
+        report["processor"] = processor().into();
+        report
+    }
+
     /// Adds what another stage has spent.
     pub fn add(&mut self, other: &Timing) {
         self.decode_s += other.decode_s;
@@ -131,6 +139,15 @@ impl Timing {
         self.encode_s += other.encode_s;
         self.wall_s += other.wall_s;
     }
+}
+
+/// The processor's own name where the system tells it, else the architecture and system.
+pub fn processor() -> String {
+    let told = std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| {
+        let line = text.lines().find(|line| line.starts_with("model name"))?;
+        Some(line.split_once(':')?.1.trim().to_owned())
+    });
+    told.unwrap_or_else(|| format!("{} {}", std::env::consts::ARCH, std::env::consts::OS))
 }
 
 /// The `check` of a run whose model was asked for and is not meant to be true: nothing was

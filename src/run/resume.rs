@@ -27,7 +27,9 @@ pub enum Start {
 }
 
 /// Files that a run makes once.
-const ONCE: [&str; 7] = [
+const ONCE: [&str; 9] = [
+    "seen.start.exr",
+    "display.start.png",
     "trace.csv",
     "probes.csv",
     "probes.svg",
@@ -96,7 +98,7 @@ fn begin(folder: &Path, config: &Config, scene: &Scene) -> Result<Start> {
 
 fn manifest(config: &Config, scene: &Scene) -> Manifest {
     let video = config.settings.output.video.as_str();
-    let numbers: Vec<u32> = scene.steps.iter().map(|step| step.number).collect();
+    let numbers: Vec<u32> = scene.pictured().iter().map(|step| step.number).collect();
     let files = [&ONCE[..], &[video, video::LIST]].concat();
     Manifest::new(Kind::Run, resolved(&config.settings), &files, &numbers)
 }
@@ -173,8 +175,12 @@ impl Past<'_> {
             (output.state == StateKey::Every, "state", "exr"),
         ];
         let kinds = kinds.iter().filter(|kind| kind.0);
+        let range = self.scene.range.as_ref();
+        let pictured =
+            |step: &&Step| range.is_none_or(|range| range.binary_search(&step.number).is_ok());
         let names = kinds.flat_map(|(_, head, tail)| {
-            done.iter().map(move |step| format!("{head}.{:04}.{tail}", step.number))
+            let done = done.iter().filter(pictured);
+            done.map(move |step| format!("{head}.{:04}.{tail}", step.number))
         });
         match names.into_iter().find(|name| !self.folder.join(name).is_file()) {
             None => Ok(()),

@@ -21,6 +21,8 @@ pub struct Scene {
     pub steps: Vec<Step>,
     /// The files of its frames; none for the built-in scene.
     pub files: Vec<PathBuf>,
+    /// The frames that have pictures, rising, if not all.
+    pub range: Option<Vec<u32>>,
     /// Numbers without a file, which show the frame before.
     pub held: Vec<u32>,
     white: Option<Nits>,
@@ -61,6 +63,7 @@ impl Scene {
         (files, held): (Vec<PathBuf>, Vec<u32>),
         view: View,
     ) -> Result<Scene> {
+        let range = range_of(config, &steps)?;
         let header = footage.header();
         let pixels_per_degree = view.pixels_per_degree(header.width);
         let mut white = None;
@@ -75,7 +78,7 @@ impl Scene {
                 })?
             }
         };
-        Ok(Scene { pixels_per_degree, vision, steps, files, held, white, footage })
+        Ok(Scene { pixels_per_degree, vision, steps, files, range, held, white, footage })
     }
 
     /// The eye of `[observer]`, `[numerics]` and `[gaze]` before its first look.
@@ -96,6 +99,14 @@ impl Scene {
             })?),
         };
         eye.build()
+    }
+
+    /// The steps that have pictures.
+    pub fn pictured(&self) -> Vec<Step> {
+        let within = |step: &&Step| {
+            self.range.as_ref().is_none_or(|range| range.binary_search(&step.number).is_ok())
+        };
+        self.steps.iter().filter(within).copied().collect()
     }
 
     /// The footage for the reader. `places`: those to check; `None`: such as the first frame
@@ -142,6 +153,23 @@ fn view_of(config: &Config, of_file: Option<View>) -> Result<View> {
         );
         config.wrong("input.horizontal_fov_deg", problem)
     })
+}
+
+/// The numbers of `output.range`, some of which must be those of frames.
+fn range_of(config: &Config, steps: &[Step]) -> Result<Option<Vec<u32>>> {
+    let written = &config.settings.output.range;
+    if written.is_empty() {
+        return Ok(None);
+    }
+    let wrong = |problem: String| config.wrong("output.range", problem);
+    let range = frames::parse_range(written).map_err(wrong)?;
+    let mut numbers = steps.iter().map(|step| step.number);
+    if numbers.any(|number| range.binary_search(&number).is_ok()) {
+        return Ok(Some(range));
+    }
+    let ends = steps.first().zip(steps.last()).map_or((0, 0), |(a, b)| (a.number, b.number));
+    let (first, last) = ends;
+    Err(wrong(format!("found {written}, but the frames are {first} to {last}")))
 }
 
 /// Luminance of (1, 1, 1): the configuration's, or else the file's. Never guessed.

@@ -19,6 +19,11 @@ impl Step {
     pub fn end(&self) -> f64 {
         self.start + self.duration
     }
+
+    /// Its middle, s.
+    pub fn middle(&self) -> f64 {
+        self.start + 0.5 * self.duration
+    }
 }
 
 /// Frames of a still, where `[time]` is silent: the end of the first and of the last, s, and how

@@ -20,13 +20,18 @@ const MOST_UNSYNCED: usize = 1000;
 
 /// What goes from the eye to the disk.
 pub enum Delivery {
+    /// What is seen before the first frame.
+    Start(Box<Finished>),
     Frame(Box<Finished>),
     Checkpoint(Box<Checkpoint>),
 }
 
 /// One finished frame.
 pub struct Finished {
-    pub number: u32,
+    /// Its number in four digits, or `start`.
+    pub name: String,
+    /// Whether it has pictures.
+    pub pictured: bool,
     /// The frame of the footage that was looked at.
     pub file: usize,
     pub seen: Planes,
@@ -140,6 +145,7 @@ impl Writer<'_> {
         let mut unsynced = Vec::new();
         for delivery in from_eye {
             match delivery {
+                Delivery::Start(frame) => unsynced.extend(self.write(&frame, &mut spent)?),
                 Delivery::Frame(frame) => {
                     unsynced.extend(self.write(&frame, &mut spent)?);
                     tables.append(&frame.trace, &frame.probes)?;
@@ -167,22 +173,23 @@ impl Writer<'_> {
     /// Writes one frame's pictures and state, and says which files those are.
     pub fn write(&self, frame: &Finished, spent: &mut Timing) -> Result<Vec<PathBuf>> {
         let begun = Instant::now();
-        let picture = frame.map.as_ref().map(|map| self.picture(&frame.seen, map));
+        let map = frame.map.as_ref().filter(|_| frame.pictured);
+        let picture = map.map(|map| self.picture(&frame.seen, map));
         spent.display_s += begun.elapsed().as_secs_f64();
         let begun = Instant::now();
-        let (mut written, number) = (Vec::new(), frame.number);
+        let (mut written, name) = (Vec::new(), &frame.name);
         let mut named = |name: String| {
             written.push(self.folder.join(name));
             written[written.len() - 1].clone()
         };
-        if self.seen {
-            let path = named(format!("seen.{number:04}.exr"));
+        if self.seen && frame.pictured {
+            let path = named(format!("seen.{name}.exr"));
             let plate = self.plates.map_or(Ok(None), |footage| footage.plate(frame.file))?;
             let (seen, about) = (&frame.seen, &self.about);
             frames::write_percept(&path, seen, self.compression, about, plate.as_ref())?;
         }
         if let Some(rgb) = picture {
-            let path = named(format!("display.{number:04}.png"));
+            let path = named(format!("display.{name}.png"));
             frames::write_png(&path, frame.seen.width, frame.seen.height, &rgb)?;
         }
         if let Some((number, planes, time)) = &frame.state {

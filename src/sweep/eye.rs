@@ -28,26 +28,33 @@ impl CaseEye {
     }
 
     /// Looks at a frame for a span.
-    pub fn watch(&mut self, loaded: &Loaded, span: &Span) -> Seen {
+    pub fn watch(&mut self, loaded: &Loaded, span: &Span) -> Result<Seen> {
         let duration = span.length();
-        let (look, readings) = self.0.look(loaded, span.aim, duration, None);
+        let (look, readings) = if duration == Seconds(0.0) {
+            self.0.glance(loaded, span.aim())?
+        } else {
+            self.0.look(loaded, span.aim(), duration, None)
+        };
         let steady = self.0.probes.iter().map(|probe| self.for_ever(loaded, &look, probe));
         let steady = steady.collect();
         let (eye, greatest) = (&self.0.eye, look.stats.greatest);
         let past = (duration > Seconds(0.0))
             .then(|| eye.model().past_limit(eye.pigments(), greatest, duration));
         let past_limit = past.flatten().map(|problem| format!("{} s: {problem}", span.end));
-        Seen { look, readings, steady, past_limit }
+        Ok(Seen { look, readings, steady, past_limit })
+    }
+
+    /// What to say if the sampled check has found more than the budget.
+    pub fn beyond(&self, config: &Config) -> Option<String> {
+        self.0.beyond(config.settings.numerics.budget)
     }
 
     /// What a probe would read if this light lasted.
     fn for_ever(&self, loaded: &Loaded, look: &Look, probe: &Probe) -> Reading {
         let (eye, planes) = (&self.0.eye, &loaded.frame.planes);
         let pixel = probe.pixel([planes.width, planes.height], look.gaze);
-        let illuminance = eye.illuminance_at(planes, look, pixel);
-        let p = [0, 1, 2].map(|k| eye.pigments()[k].steady(Trolands(illuminance[k])));
-        let vision = eye.vision();
-        let catch = vision.catch(&vision.moments(planes, pixel[0], pixel[1]), p);
-        Reading { probe: probe.name.clone(), illuminance, p, xyz: vision.xyz(catch) }
+        let light = eye.illuminance_at(planes, look, pixel);
+        let p = [0, 1, 2].map(|k| eye.pigments()[k].steady(Trolands(light[k])));
+        probe.reading(eye, planes, look, p)
     }
 }

@@ -18,11 +18,12 @@ use crate::run::{self, Claim, Existing};
 
 /// What is made of all cases.
 pub const TABLE: &str = "sweep.csv";
+pub const TYPED: &str = "sweep.json";
 pub const CONTACT: &str = "contact.png";
 pub const PLOT: &str = "sweep.svg";
 
 /// What is made once of all cases.
-const OF_ALL: [&str; 4] = [TABLE, CONTACT, PLOT, page::REPORT];
+const OF_ALL: [&str; 5] = [TABLE, TYPED, CONTACT, PLOT, page::REPORT];
 /// What is made once of a case.
 const OF_CASE: [&str; 4] = [manifest::NAME, "cells.csv", "cells.png", "case.json"];
 
@@ -45,6 +46,8 @@ pub struct Done {
     pub bad_frames: usize,
     /// Width and height of the sheet's pictures.
     pub size: [usize; 2],
+    /// What to say if the sampled check found more than the budget.
+    pub beyond: Option<String>,
     /// What to say of the first span past the limit of its method.
     pub past_limit: Option<String>,
     pub steady: Vec<Steady>,
@@ -229,8 +232,7 @@ impl Folder {
 pub fn manifest(config: &Config, sweep: &Sweep) -> Manifest {
     let mut settings = run::resolved(&config.settings);
     let lists = config.settings.sweep.iter().flat_map(|keys| &keys.vary);
-    let vary: Vec<String> =
-        lists.map(|vary| format!("{} = {}", vary.key, toml_list(&vary.values))).collect();
+    let vary: Vec<String> = lists.map(|vary| format!("{vary:?}")).collect();
     settings["sweep"] =
         json!({ "durations_s": sweep.durations, "pictures": sweep.pictures, "vary": vary });
     settings["version"] = env!("CARGO_PKG_VERSION").into();
@@ -239,11 +241,6 @@ pub fn manifest(config: &Config, sweep: &Sweep) -> Manifest {
     let pages: Vec<String> = (2..=sweep.cases.len()).map(|n| format!("contact.{n}.png")).collect();
     let files: Vec<&str> = OF_ALL.into_iter().chain(pages.iter().map(String::as_str)).collect();
     Manifest::new(Kind::Sweep, settings, &files, &[])
-}
-
-fn toml_list(values: &[impl std::fmt::Display]) -> String {
-    let values: Vec<String> = values.iter().map(ToString::to_string).collect();
-    format!("[{}]", values.join(", "))
 }
 
 fn case_number(name: &str) -> Option<usize> {

@@ -13,6 +13,7 @@ mod pass;
 mod plot;
 mod reduced;
 mod table;
+pub mod typed;
 
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -80,7 +81,6 @@ pub fn sweep(
     let folder = Folder::prepare(path, existing, manifest, &inputs, only)?;
     let (kept, pending): (Vec<_>, Vec<_>) =
         opened.into_iter().partition(|opened| folder.is_finished(opened.case.number));
-    warn_of_display(&sweep, watch);
     let cells = Cells {
         sweep: &sweep,
         folder: &folder,
@@ -103,7 +103,12 @@ pub fn sweep(
     if let Some(past_limit) = left.iter().find_map(|case| case.done.past_limit.as_ref()) {
         watch.warn(past_limit);
     }
-    Ok(Outcome { ran: pending.len(), kept: kept.len(), went_on: bad_frames > 0, table })
+    let beyond = left.iter().find_map(|case| case.done.beyond.as_ref());
+    if let Some(beyond) = beyond {
+        watch.warn(beyond);
+    }
+    let went_on = bad_frames > 0 || beyond.is_some();
+    Ok(Outcome { ran: pending.len(), kept: kept.len(), went_on, table })
 }
 
 /// The cases that a part of a sweep runs.
@@ -119,17 +124,6 @@ fn asked(sweep: &Sweep, part: Part) -> Result<Vec<&Case>> {
                 format!("the sweep has the cases 0 to {last}"),
             )
         }),
-    }
-}
-
-/// All cells share one display map, the first case's.
-fn warn_of_display(sweep: &Sweep, watch: &dyn Watch) {
-    let of_map = ["tone", "ceiling", "exposure_ev", "white_cd_m2", "smoothing_s"]
-        .map(|key| format!("display.{key}"));
-    for key in sweep.keys.iter().filter(|key| of_map.contains(key)) {
-        watch.warn(&format!(
-            "{key} is varied without effect: all cells share the display map of the first case"
-        ));
     }
 }
 
@@ -186,14 +180,19 @@ impl Cells<'_> {
         notes.into_iter().for_each(|note| self.watch.warn(note));
         let first = Opened::new(&self.sweep.cases[0], self.sweep)?;
         let mut held = (light::key(&first.case.config, &first.scene), self.lit(&first)?);
-        let map = first.case.config.display().follow(None, &held.1.survey, Seconds(0.0));
-        let (map, cells) = (Arc::new(map), pending.len() * self.sweep.durations.len());
+        // All cases show the same light by the same map, unless their displays differ.
+        let survey = held.1.survey.clone();
+        let cells = pending.len() * self.sweep.durations.len();
         for (key, group) in groups(pending) {
             if held.0 != key {
                 drop(held);
                 held = (key, self.lit(group[0])?);
             }
-            let run = |opened: &&Opened| self.case(opened, &held.1, &map, cells);
+            let run = |opened: &&Opened| {
+                let display = opened.case.config.display();
+                let map = Arc::new(display.follow(None, &survey, Seconds(0.0)));
+                self.case(opened, &held.1, &map, cells)
+            };
             if !self.sweep.pictures && group[0].is_still() {
                 group.par_iter().try_for_each(run)?;
             } else {
@@ -240,11 +239,12 @@ impl Cells<'_> {
                 (file, light) = (span.file, light::lit(scene, span.file, Some(places))?);
                 bad_frames += usize::from(light.frame.tally.non_finite() > 0);
             }
-            let seen = eye.watch(&light, span);
+            let seen = eye.watch(&light, span)?;
             past_limit = past_limit.or(seen.past_limit);
             let Some(cell) = span.cell else { continue };
-            rows +=
-                &table::rows(case.number, self.sweep.durations[cell], &case.values, &seen.readings);
+            let duration = self.sweep.durations[cell];
+            let at = table::Cell { case: case.number, duration, values: &case.values };
+            rows += &table::rows(&at, &seen.readings, &seen.steady, &case.config.pigments());
             let small = reduced::reduced(&seen.look.percept, size);
             pictures.extend(writer.picture(&small, map));
             steady = seen.steady;
@@ -263,6 +263,7 @@ impl Cells<'_> {
             rows: run::digest(rows.as_bytes()),
             bad_frames,
             size,
+            beyond: eye.beyond(&case.config).map(|words| format!("case {}: {words}", case.number)),
             past_limit: past_limit.map(|words| format!("case {}, {words}", case.number)),
             steady: steady.collect(),
         };
@@ -279,7 +280,8 @@ fn finished(
 ) -> Finished {
     let shown = case.config.settings.output.display == DisplayFile::Png;
     Finished {
-        number: cell as u32 + 1,
+        name: format!("{:04}", cell + 1),
+        pictured: true,
         file,
         seen,
         map: shown.then(|| map.clone()),
@@ -329,6 +331,8 @@ fn gather(sweep: &Sweep, folder: &Folder, left: &[Left]) -> Result<PathBuf> {
     }
     let table = folder.path.join(folder::TABLE);
     atomic::write_text(&table, &all)?;
+    let typed = typed::rows(&table)?;
+    atomic::write_text(&folder.path.join(folder::TYPED), &format!("{typed:#}\n"))?;
     contact::write(&folder.path.join(folder::CONTACT), sweep, left)?;
     plot::write(&folder.path.join(folder::PLOT), sweep, left)?;
     folder.write_page(sweep)?;

@@ -3,8 +3,8 @@
 use crate::config::Config;
 use crate::config::settings::Time;
 use crate::error::Result;
-use crate::run::Scene;
 use crate::run::schedule::Step;
+use crate::run::{Moment, Scene};
 use crate::units::Seconds;
 
 /// The light of one file held over [start, end), and the cell that looks at its end.
@@ -13,12 +13,17 @@ pub struct Span {
     pub file: usize,
     pub start: f64,
     pub end: f64,
-    /// The time for which the gaze is asked: the end of the whole frame, as in a run.
-    pub aim: f64,
+    /// The frame that it is of.
+    pub number: u32,
     pub cell: Option<usize>,
 }
 
 impl Span {
+    /// The moment for which the gaze is asked: the span's middle, as that of a run's frame.
+    pub fn aim(&self) -> Moment {
+        Moment { time: 0.5 * (self.start + self.end), frame: self.number }
+    }
+
     /// How long the light is held; 0 for a look at the start.
     pub fn length(&self) -> Seconds {
         Seconds(self.end - self.start)
@@ -69,20 +74,20 @@ fn cut(steps: &[Step], durations: &[f64]) -> Vec<Span> {
     let mut spans = Vec::new();
     let mut looks = durations.iter().copied().enumerate().peekable();
     if let Some((cell, _)) = looks.next_if(|&(_, d)| d == 0.0) {
-        let (file, aim) = steps.first().map_or((0, 0.0), |step| (step.file, step.end()));
-        spans.push(Span { file, start: 0.0, end: 0.0, aim, cell: Some(cell) });
+        let (file, number) = steps.first().map_or((0, 1), |step| (step.file, step.number));
+        spans.push(Span { file, start: 0.0, end: 0.0, number, cell: Some(cell) });
     }
     for step in steps {
-        let (file, aim, mut start) = (step.file, step.end(), step.start);
-        while let Some((cell, end)) = looks.next_if(|&(_, d)| d <= aim * (1.0 + SAME)) {
-            spans.push(Span { file, start, end, aim, cell: Some(cell) });
+        let (Step { file, number, mut start, .. }, last) = (*step, step.end());
+        while let Some((cell, end)) = looks.next_if(|&(_, d)| d <= last * (1.0 + SAME)) {
+            spans.push(Span { file, start, end, number, cell: Some(cell) });
             start = end;
         }
         if looks.peek().is_none() {
             break;
         }
-        if start < aim * (1.0 - SAME) {
-            spans.push(Span { file, start, end: aim, aim, cell: None });
+        if start < last * (1.0 - SAME) {
+            spans.push(Span { file, start, end: last, number, cell: None });
         }
     }
     spans

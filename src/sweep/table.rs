@@ -1,22 +1,41 @@
-//! Rows of `sweep.csv`: the case, the duration, the varied values as TOML, then the columns of
-//! `probes.csv`.
+//! Rows of `sweep.csv`: the case, the duration, the varied values, the columns of `probes.csv`, then
+//! what the light would come to if it lasted, and how long a recovery in the dark would take.
 
+use crate::kinetics::Kinetics;
 use crate::run::record::{PROBES, Reading};
+
+/// Unbleached, above which a cone counts as recovered.
+const RECOVERED: f64 = 0.95;
 
 /// The header, with its line's end.
 pub fn header(keys: &[String]) -> String {
-    let columns = PROBES.trim_start_matches("frame,time_s,");
+    let columns = PROBES.trim_start_matches("frame,time_s,").trim_end();
     let keys: String = keys.iter().map(|key| format!("{},", field(key))).collect();
-    format!("case,duration_s,{keys}{columns}")
+    format!("case,duration_s,{keys}{columns},steady_p_L,steady_p_M,steady_p_S,recovery_95_s\n")
 }
 
-/// The rows of one cell.
-pub fn rows(case: usize, duration: f64, values: &[String], readings: &[Reading]) -> String {
+/// What a cell's rows begin with.
+pub struct Cell<'a> {
+    pub case: usize,
+    pub duration: f64,
+    pub values: &'a [String],
+}
+
+/// The rows of one cell. `steady`: what each probe would read if the light lasted.
+pub fn rows(
+    cell: &Cell<'_>,
+    readings: &[Reading],
+    steady: &[Reading],
+    pigments: &[Kinetics; 3],
+) -> String {
+    let Cell { case, duration, values } = cell;
     let values: String = values.iter().map(|value| format!("{},", field(value))).collect();
-    readings
-        .iter()
-        .map(|reading| format!("{case},{duration},{values}{}\n", reading.columns()))
-        .collect()
+    let row = |(reading, steady): (&Reading, &Reading)| {
+        let [l, m, s] = steady.p;
+        let recovery = reading.recovery(pigments, RECOVERED);
+        format!("{case},{duration},{values}{},{l},{m},{s},{recovery}\n", reading.columns())
+    };
+    readings.iter().zip(steady).map(row).collect()
 }
 
 /// A value as CSV writes it (RFC 4180).
@@ -31,6 +50,7 @@ fn field(value: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::units::Millimetres;
 
     #[test]
     fn a_list_of_three_is_one_value_of_a_row() {
@@ -39,16 +59,20 @@ mod tests {
             illuminance: [1.0; 3],
             p: [0.5; 3],
             xyz: [1.0, 1.0, 2.0],
+            pupil: Millimetres(3.0),
+            lost: [0.25; 3],
         };
-        let values = ["[4.3, 4.3, 5.0]".to_owned(), "\"exact\"".to_owned()];
-        let row = rows(2, 0.3, &values, &[reading]);
-        assert!(
-            row.starts_with(
-                "2,0.3,\"[4.3, 4.3, 5.0]\",\"\"\"exact\"\"\",sun,1,1,1,0.5,0.5,0.5,1,1,2,0.25,0.25"
-            ),
-            "{row}"
-        );
+        let steady = Reading { p: [0.125; 3], ..reading.clone() };
+        let values = ["[4.3, 4.3, 5.0]".to_owned(), "exact".to_owned()];
+        let cell = Cell { case: 2, duration: 0.3, values: &values };
+        let row = rows(&cell, &[reading], &[steady], &Kinetics::standard());
+        let expected = "2,0.3,\"[4.3, 4.3, 5.0]\",exact,sun,1,1,1,0.5,0.5,0.5,1,1,2,0.25,0.25,3,\
+                        0.25,0.25,0.25,0.125,0.125,0.125,276.3";
+        assert!(row.starts_with(expected), "{row}");
         let names = header(&["a".into(), "b".into()]);
-        assert_eq!(names, "case,duration_s,a,b,probe,I_L,I_M,I_S,p_L,p_M,p_S,X,Y,Z,x,y\n");
+        let columns = "case,duration_s,a,b,probe,I_L,I_M,I_S,p_L,p_M,p_S,X,Y,Z,x,y,pupil_mm,\
+                       lost_L,lost_M,lost_S,steady_p_L,steady_p_M,steady_p_S,recovery_95_s\n";
+        assert_eq!(names, columns);
+        assert_eq!(names.split(',').count(), row.replace(", ", "; ").split(',').count());
     }
 }
