@@ -124,5 +124,6 @@ pub mod sweep;
 pub mod text;
 pub mod units;
 pub mod validate;
+#[cfg(feature = "view")]
 pub mod view;
 pub mod vision;

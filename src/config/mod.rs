@@ -12,7 +12,7 @@ mod words;
 
 use std::path::{Path, PathBuf};
 
-use toml::{Table, Value};
+pub use toml::{Table, Value};
 
 use crate::constants;
 use crate::error::{Error, Result};
@@ -67,7 +67,20 @@ impl Config {
         base: &Path,
         sets: &[String],
     ) -> Result<Config> {
-        let source = Source::new(place, text);
+        Config::of_source(Source::new(place, text), name, base, sets)
+    }
+
+    /// A configuration from a table that a program has made, of the same keys as a file. `place` is
+    /// what messages call it; relative paths are relative to `base`.
+    ///
+    /// # Errors
+    /// A key is unknown, or its value is not accepted.
+    pub fn of_table(table: &Table, place: &str, name: &str, base: &Path) -> Result<Config> {
+        Config::of_source(Source::of_table(place, table), name, base, &[])
+    }
+
+    fn of_source(source: Source, name: &str, base: &Path, sets: &[String]) -> Result<Config> {
+        let text = source.text();
         toml::from_str::<Settings>(text).map_err(|error| source.explain(&error))?;
         let mut keys: Table = toml::from_str(text).map_err(|error| source.explain(&error))?;
         let mut set_keys = Vec::new();

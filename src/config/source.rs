@@ -9,23 +9,30 @@ use crate::error::Error;
 pub(super) struct Source {
     place: String,
     text: String,
+    /// Whether somebody wrote it, so that a line of it says something.
+    has_lines: bool,
 }
 
 impl Source {
     pub(super) fn new(place: &str, text: &str) -> Self {
-        Source { place: place.to_owned(), text: text.to_owned() }
+        Source { place: place.to_owned(), text: text.to_owned(), has_lines: true }
+    }
+
+    /// A table that was made by a program.
+    pub(super) fn of_table(place: &str, table: &toml::Table) -> Self {
+        Source { place: place.to_owned(), text: table.to_string(), has_lines: false }
+    }
+
+    pub(super) fn text(&self) -> &str {
+        &self.text
     }
 
     /// An error about a key, at the line of a dotted path if the text has it.
     pub(super) fn error(&self, path: &str, key: &str, problem: &str) -> Error {
-        let line = DeTable::parse(&self.text).ok().and_then(|table| {
-            let start = start_of(table.get_ref(), path)?;
-            Some(self.line(start))
-        });
-        match line {
-            Some(line) => Error::config(format!("{}:{line}", self.place), key, problem),
-            None => Error::config(&self.place, key, problem),
-        }
+        let start =
+            DeTable::parse(&self.text).ok().and_then(|table| start_of(table.get_ref(), path));
+        let place = start.map_or_else(|| self.place.clone(), |start| self.place_of(start));
+        Error::config(place, key, problem)
     }
 
     /// A parser's or a type's error, with its line and key.
@@ -34,12 +41,16 @@ impl Source {
         let Some(span) = error.span() else { return Error::config(&self.place, "TOML", problem) };
         let key =
             DeTable::parse(&self.text).ok().and_then(|table| key_at(table.get_ref(), span.start));
-        let place = format!("{}:{}", self.place, self.line(span.start));
+        let place = self.place_of(span.start);
         Error::config(place, key.unwrap_or_else(|| "TOML".into()), problem)
     }
 
-    fn line(&self, offset: usize) -> usize {
-        self.text.bytes().take(offset).filter(|&b| b == b'\n').count() + 1
+    fn place_of(&self, offset: usize) -> String {
+        if !self.has_lines {
+            return self.place.clone();
+        }
+        let line = self.text.bytes().take(offset).filter(|&b| b == b'\n').count() + 1;
+        format!("{}:{line}", self.place)
     }
 }
 

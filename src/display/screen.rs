@@ -31,9 +31,38 @@ impl Screen {
             let (found, wanted) = (srgb.len(), 3 * width * height);
             return Err(Error::light(format!("found {found} bytes for a picture of {wanted}")));
         }
+        let display = self.display;
+        let map = self.follow(look);
+        display.picture(&look.percept, &look.to_srgb, map, srgb);
+        Ok(())
+    }
+
+    /// The tone map for a look, shown or not: it follows the light of every look.
+    pub fn follow(&mut self, look: &Look) -> &ToneMap {
         let map = self.display.follow(self.map.as_ref(), &look.survey, look.duration);
-        self.display.picture(&look.percept, &look.to_srgb, &map, srgb);
-        self.map = Some(map);
+        self.map.insert(map)
+    }
+
+    /// The display.
+    pub fn display(&self) -> &Display {
+        &self.display
+    }
+
+    /// The tone map that it has come to; none before the first look.
+    pub fn map(&self) -> Option<&ToneMap> {
+        self.map.as_ref()
+    }
+
+    /// Goes on from a tone map's levels ([`ToneMap::levels`]); empty ones are none.
+    ///
+    /// # Errors
+    /// They are no tone map's.
+    pub fn restore(&mut self, levels: Vec<f64>) -> Result<()> {
+        let unknown = || Error::light("the state holds no tone map");
+        self.map = match levels.is_empty() {
+            true => None,
+            false => Some(self.display.restore(levels).ok_or_else(unknown)?),
+        };
         Ok(())
     }
 }

@@ -309,6 +309,15 @@ impl Eye {
         self.retina.first_view(self.size[0], self.size[1]).permuted_axes([0, 2, 1])
     }
 
+    /// Cone illuminance of the frame of the latest [`Eye::look`], td: (height, width, 3). `None`
+    /// before the first.
+    pub fn trolands(&self) -> Option<Array3<f32>> {
+        let (frame, operator) = (self.frame.as_ref()?, self.illuminance.as_ref()?);
+        let mut td = Array3::zeros((frame.height, 3, frame.width));
+        stages::illuminate(frame, operator, td.as_slice_mut()?);
+        Some(td.permuted_axes([0, 2, 1]))
+    }
+
     /// The observer and how light is received.
     pub fn vision(&self) -> &Vision {
         &self.vision

@@ -200,7 +200,9 @@ impl Eye {
             return LookStats::EMPTY;
         }
         let ([width, height], shift, around) = (self.size, context.shift, context.around);
-        let stats = self.illuminate(context, operator).and(LookStats::of_light(around));
+        self.fields.resize(3 * width * height, 0.0);
+        let stats = illuminate(context.retinal, operator, &mut self.fields);
+        let stats = stats.and(LookStats::of_light(around));
         let field = Field { samples: &self.fields, width, height, around };
         let ([x0, y0], [places, _]) = (self.retina.origin(), self.retina.size());
         let rows = self.retina.par_rows_mut().zip(self.plan.ledger.rows_mut()).enumerate();
@@ -244,26 +246,6 @@ impl Eye {
         if bound.is_infinite() {
             self.retina.advance_beyond(&context.step, context.around);
         }
-    }
-
-    /// Cone illuminance of the whole picture.
-    fn illuminate(
-        &mut self,
-        context: &LookContext<'_>,
-        operator: &IlluminanceOperator,
-    ) -> LookStats {
-        let planes = context.retinal;
-        self.fields.resize(3 * planes.width * planes.height, 0.0);
-        let rows = self.fields.par_chunks_exact_mut(3 * planes.width).enumerate();
-        let of_row = rows.map_init(TileScratch::new, |scratch, (y, td)| {
-            for (from, width) in operator.tiles(planes.width) {
-                let light = operator.light(planes.row(y), from, width, &mut scratch.light);
-                let out = thirds(td).map(|td| &mut td[from..from + width]);
-                operator.illuminance(light, [from, y], out);
-            }
-            LookStats::of_light(thirds(td).map(|td| kernel::greatest(td)))
-        });
-        of_row.reduce(|| LookStats::EMPTY, LookStats::and)
     }
 
     /// The percept's way back: p is read at the picture's points, and the picture's own light is
@@ -356,6 +338,24 @@ impl Eye {
         };
         check.follow(&frame, |[x, y]| self.retina.at([x as i64, y as i64]));
     }
+}
+
+/// Cone illuminance of a whole frame: rows of L, M and S, td.
+pub(super) fn illuminate(
+    planes: &Planes,
+    operator: &IlluminanceOperator,
+    td: &mut [f32],
+) -> LookStats {
+    let rows = td.par_chunks_exact_mut(3 * planes.width).enumerate();
+    let of_row = rows.map_init(TileScratch::new, |scratch, (y, td)| {
+        for (from, width) in operator.tiles(planes.width) {
+            let light = operator.light(planes.row(y), from, width, &mut scratch.light);
+            let out = thirds(td).map(|td| &mut td[from..from + width]);
+            operator.illuminance(light, [from, y], out);
+        }
+        LookStats::of_light(thirds(td).map(|td| kernel::greatest(td)))
+    });
+    of_row.reduce(|| LookStats::EMPTY, LookStats::and)
 }
 
 /// The three runs of a row: L, M, S or R, G, B.

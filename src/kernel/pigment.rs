@@ -68,7 +68,7 @@ impl FirstOrderForm {
 
 /// One of two numbers, by their bits: a choice of branches would not vectorise.
 #[inline(always)]
-fn either(first: bool, a: f64, b: f64) -> f64 {
+pub(super) fn either(first: bool, a: f64, b: f64) -> f64 {
     let mask = 0u64.wrapping_sub(u64::from(first));
     f64::from_bits((a.to_bits() & mask) | (b.to_bits() & !mask))
 }

@@ -49,7 +49,7 @@ pub(crate) use reader::Loaded;
 pub use rehearse::rehearse;
 use report::Timing;
 use resume::Start;
-pub use scene::Scene;
+pub use scene::{Scene, eye_for};
 use schedule::Step;
 pub use watch::{Unwatched, Watch};
 use writer::{Delivery, Tables, Writer};

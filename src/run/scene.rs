@@ -86,19 +86,7 @@ impl Scene {
         let header = self.footage.header();
         let size = [header.width, header.height];
         let across = Degrees(header.width as f64 / self.pixels_per_degree);
-        let eye = Eye::builder(self.vision.clone(), size, across)
-            .pigments(config.pigments())
-            .model(config.model()?, config.budget())
-            .surround(config.surround());
-        let eye = match config.settings.observer.start.as_str() {
-            "rested" => eye,
-            "adapted" => eye.adapted(),
-            file => eye.retina(retina_of_file(config, file, size[0], size[1]).map_err(|e| {
-                let problem = format!("{e}; accepted: rested, adapted, or a state file");
-                config.wrong("observer.start", problem)
-            })?),
-        };
-        eye.build()
+        eye_for(config, self.vision.clone(), size, across)
     }
 
     /// The steps that have pictures.
@@ -170,6 +158,27 @@ fn range_of(config: &Config, steps: &[Step]) -> Result<Option<Vec<u32>>> {
     let ends = steps.first().zip(steps.last()).map_or((0, 0), |(a, b)| (a.number, b.number));
     let (first, last) = ends;
     Err(wrong(format!("found {written}, but the frames are {first} to {last}")))
+}
+
+/// The eye of `[observer]`, `[numerics]` and `[gaze]` for frames of `size` (width, height) that are
+/// `across` degrees wide, wherever they come from.
+///
+/// # Errors
+/// A size or a scale is not above 0, or `observer.start` names no state of that size.
+pub fn eye_for(config: &Config, vision: Vision, size: [usize; 2], across: Degrees) -> Result<Eye> {
+    let eye = Eye::builder(vision, size, across)
+        .pigments(config.pigments())
+        .model(config.model()?, config.budget())
+        .surround(config.surround());
+    let eye = match config.settings.observer.start.as_str() {
+        "rested" => eye,
+        "adapted" => eye.adapted(),
+        file => eye.retina(retina_of_file(config, file, size[0], size[1]).map_err(|e| {
+            let problem = format!("{e}; accepted: rested, adapted, or a state file");
+            config.wrong("observer.start", problem)
+        })?),
+    };
+    eye.build()
 }
 
 /// Luminance of (1, 1, 1): the configuration's, or else the file's. Never guessed.
