@@ -78,8 +78,9 @@ async function until(what, holds) {
 async function live(browser, url, look) {
   const { page, close } = await opened(browser, url, new URL(url).origin, look);
   const time = async () => parseFloat(await page.textContent("#clock"));
-  await page.getByRole("button", { name: "Stare at the light" }).waitFor();
+  await until("a first picture", async () => (await page.textContent("#numbers")).includes("Gaze"));
   await page.keyboard.press("r");
+  await page.getByRole("button", { name: "Stare at the light" }).waitFor();
   await until("a picture of the red sun", async () => { const [r, g] = await colour(page, 0.5, 0.5); return r > g + 60; });
   await page.screenshot({ path: `${shots}/live.begin.${look.join(".")}.png` });
   await page.focus("#begin");

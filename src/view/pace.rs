@@ -95,6 +95,7 @@ impl Pace {
         }
         if wish.rest {
             self.live.rest()?;
+            self.gaze = self.live.gaze();
             exchange.say("history", json!([]));
         }
         if wish.save {
