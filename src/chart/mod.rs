@@ -10,11 +10,13 @@ mod ladder_figure;
 mod ladder_scenes;
 mod machine;
 mod methods;
+mod optics;
 mod panels;
 mod pigment;
 mod scenes;
 mod stability;
 mod stability_map;
+mod transform;
 mod verdict;
 mod work;
 mod work_precision;
@@ -49,6 +51,7 @@ pub const CHARTS: &[Chart] = &[
     Chart { name: "ladder", make: Make::Fixed(ladder::write) },
     Chart { name: "pigment", make: Make::OfObserver(pigment::write) },
     Chart { name: "fundamentals", make: Make::Fixed(fundamentals::write) },
+    Chart { name: "optics", make: Make::Fixed(optics::write) },
 ];
 
 impl Chart {

@@ -39,6 +39,11 @@ fn in_words(plan: &Value) -> String {
         let [what, why] = ["what", "why"].map(|key| term[key].as_str().unwrap_or(""));
         lines.push(format!("  {taken:<5}  {:<8}  {what}: {why}", bound(&term["bound"])));
     }
+    if let Some(what) = plan["optics"]["what"].as_str() {
+        let [p, catch] =
+            ["moves_p", "moves_catch"].map(|key| plan["optics"][key].as_f64().unwrap_or(0.0));
+        lines.push(format!("  {what}: moves p by {p:.1e}, a catch by {catch:.1e} of it"));
+    }
     lines.push(match plan["budget"].as_f64() {
         Some(budget) => {
             format!(

@@ -19,6 +19,9 @@ pub(super) fn check(s: &Settings) -> Check {
     if let Aim::At(at) = s.gaze.at {
         point("gaze.at", at)?;
     }
+    within("optics.core_deg", s.optics.core_deg, 0.0, 10.0)?;
+    within("optics.straylight", s.optics.straylight, 0.0, 10.0)?;
+    within("numerics.light_budget", s.numerics.light_budget, f64::MIN_POSITIVE, 1.0)?;
     within("numerics.budget", s.numerics.budget, f64::MIN_POSITIVE, 1.0)?;
     within("numerics.substeps", f64::from(s.numerics.substeps), 0.0, 1e6)?;
     within("display.exposure_ev", s.display.exposure_ev, -100.0, 100.0)?;
@@ -173,6 +176,7 @@ fn observer(s: &Settings) -> Check {
         (_, None) => {}
     }
     within("observer.age", o.age, 5.0, 120.0)?;
+    within("observer.pigmentation", o.pigmentation, 0.0, 1.2)?;
     within("observer.pupil_delay_s", o.pupil_delay_s, 0.0, 60.0)?;
     within("observer.pupil_closing_s", o.pupil_closing_s, 0.0, 60.0)?;
     within("observer.pupil_opening_s", o.pupil_opening_s, 0.0, 60.0)?;

@@ -12,6 +12,7 @@ use crate::kinetics::{Kinetics, Law};
 use crate::observer::{
     Directional, Dynamics, Field, Narrowing, Observer, Reading, Rule, Set, Steepness,
 };
+use crate::optics::Scatter;
 use crate::step::Method;
 use crate::units::{Degrees, Millimetres, Nits, Seconds, Trolands};
 
@@ -95,6 +96,18 @@ impl Config {
             let names: Vec<_> = crate::step::METHODS.iter().map(|m| m.name).collect();
             self.wrong("numerics.method", format!("found {name:?}; accepted: {}", names.join(", ")))
         })
+    }
+
+    /// The scatter of the observer's eye.
+    pub fn scatter(&self) -> Scatter {
+        let (optics, observer) = (&self.settings.optics, &self.settings.observer);
+        Scatter {
+            psf: optics.psf.unwrap_or_default(),
+            age: observer.age,
+            pigmentation: observer.pigmentation,
+            straylight: optics.straylight,
+            core_deg: optics.core_deg,
+        }
     }
 
     /// The display of `[display]`.

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::frames::{TransferKey, ViewProjection};
 use crate::observer::{Field, Set};
+use crate::optics::{Draw, Psf, Scatter};
 
 pub use super::words::*;
 
@@ -17,6 +18,7 @@ pub struct Settings {
     pub input: Input,
     pub time: Time,
     pub gaze: Gaze,
+    pub optics: OpticsKeys,
     pub observer: ObserverKeys,
     pub numerics: Numerics,
     pub display: DisplayKeys,
@@ -38,6 +40,8 @@ impl Settings {
             input.turbidity.get_or_insert(2.5);
             input.horizon.get_or_insert_default();
         }
+        let sunset = self.input.frames.is_none() && self.observer.preset == Preset::Standard;
+        self.optics.psf.get_or_insert(if sunset { Psf::Cie } else { Psf::None });
         let observer = &mut self.observer;
         let set =
             if observer.fundamentals == SetKey::Smj1993 { Set::Smj1993 } else { Set::Cie2006 };
@@ -262,6 +266,25 @@ pub enum Aim {
     Seek(Seek),
 }
 
+/// `[optics]`: what the eye scatters.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct OpticsKeys {
+    /// Absent: `cie` for the built-in scene, `none` for given frames and the paper's observer.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub psf: Option<Psf>,
+    pub core_deg: f64,
+    pub straylight: f64,
+    pub draw: Draw,
+}
+
+impl Default for OpticsKeys {
+    fn default() -> Self {
+        let Scatter { core_deg, straylight, .. } = Scatter::default();
+        OpticsKeys { psf: None, core_deg, straylight, draw: Draw::Veiled }
+    }
+}
+
 /// `[observer]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -273,6 +296,7 @@ pub struct ObserverKeys {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pupil_mm: Option<f64>,
     pub age: f64,
+    pub pigmentation: f64,
     pub eyes: u8,
     pub pupil_delay_s: f64,
     pub pupil_closing_s: f64,
@@ -301,6 +325,7 @@ impl Default for ObserverKeys {
             pupil: PupilKey::WatsonYellott,
             pupil_mm: None,
             age: 30.0,
+            pigmentation: Scatter::default().pigmentation,
             eyes: 2,
             pupil_delay_s: 0.0,
             pupil_closing_s: 0.0,
@@ -336,11 +361,18 @@ pub struct Numerics {
     pub substeps: u32,
     pub model: ModelKey,
     pub budget: f64,
+    pub light_budget: f64,
 }
 
 impl Default for Numerics {
     fn default() -> Self {
-        Numerics { method: "exact".into(), substeps: 0, model: ModelKey::Auto, budget: 1e-3 }
+        Numerics {
+            method: "exact".into(),
+            substeps: 0,
+            model: ModelKey::Auto,
+            budget: 1e-3,
+            light_budget: 3e-3,
+        }
     }
 }
 

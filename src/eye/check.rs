@@ -47,7 +47,11 @@ pub struct CheckFrame<'a> {
     pub pigments: &'a [Kinetics; 3],
     /// What each place's spectrum was, band by band; RGB is read from the planes.
     pub kept: Option<&'a SampledSpectra>,
+    /// The light on the retina.
     pub planes: &'a Planes,
+    /// At a place whose spectrum is kept: the share of it that reaches the retina, and the
+    /// projections of the light that the eye scatters there.
+    pub veil: &'a dyn Fn([usize; 2]) -> Option<(f64, Vec<f64>)>,
     pub pupil: Millimetres,
     pub gaze: [f64; 2],
     /// How far the gaze has moved from the first, in pixels.
@@ -84,7 +88,7 @@ impl Check {
         for (i, &at) in self.places.iter().enumerate() {
             let light = if still { frame.light(i, at) } else { Vec::new() };
             let td = if still {
-                frame.illuminance(&light, at, &central)
+                frame.with_veil(frame.illuminance(&light, at, &central), at)
             } else {
                 frame.between(at, &central)
             };
@@ -149,7 +153,10 @@ impl Check {
 impl CheckFrame<'_> {
     fn light(&self, i: usize, [x, y]: [usize; 2]) -> Vec<f64> {
         match self.kept {
-            Some(kept) => kept.spectrum(i),
+            Some(kept) => {
+                let share = (self.veil)([x, y]).map_or(1.0, |(share, _)| share);
+                kept.spectrum(i).into_iter().map(|v| share * v).collect()
+            }
             None => (0..self.planes.count).map(|plane| self.planes.at(x, y, plane)).collect(),
         }
     }
@@ -158,6 +165,16 @@ impl CheckFrame<'_> {
     /// from the gaze does not matter.
     fn illuminance(&self, light: &[f64], at: [usize; 2], central: &[Vec<f64>; 3]) -> [f64; 3] {
         illuminance(self.distance(at).map(|r| self.weights(r)).as_ref().unwrap_or(central), light)
+    }
+
+    /// Cone illuminance with that of the light which the eye scatters to a place whose spectrum is
+    /// kept: of its projections, for its spectrum is nowhere.
+    fn with_veil(&self, td: [f64; 3], at: [usize; 2]) -> [f64; 3] {
+        let veil = self.kept.and_then(|_| (self.veil)(at));
+        let r = Millimetres(self.distance(at).unwrap_or(0.0));
+        let weights = || self.vision.illuminance_weights(self.pupil, r);
+        let of_veil = veil.map(|(_, veil)| self.vision.illuminance(&veil, &weights()));
+        of_veil.map_or(td, |of_veil| [0, 1, 2].map(|k| td[k] + of_veil[k]))
     }
 
     /// Cone illuminance of a place of the retina that sees between four pixels, td.
@@ -230,6 +247,10 @@ impl CheckFrame<'_> {
         }
         let [exact, size] =
             [radiance, parts].map(|radiance| self.vision.observer.catch(&radiance, p));
+        let veil = self.kept.and_then(|_| (self.veil)([x, y]));
+        let veil = veil.map_or([0.0; 3], |(_, veil)| self.vision.catch(&veil, p));
+        let exact = [0, 1, 2].map(|k| exact[k] + veil[k]);
+        let size = [0, 1, 2].map(|k| size[k] + veil[k].abs());
         let seen = self.vision.catch(&self.vision.moments(self.planes, x, y), ours);
         (0..3)
             .filter(|&k| size[k] > 0.0)
@@ -324,6 +345,7 @@ mod tests {
             vision,
             pigments,
             kept: None,
+            veil: &|_| None,
             planes,
             pupil: Millimetres(3.0),
             gaze: [0.0; 2],

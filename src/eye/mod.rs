@@ -15,6 +15,7 @@ mod percept;
 pub mod pigment;
 pub mod plan;
 pub mod retina;
+mod scattered;
 mod stages;
 mod state;
 mod stats;
@@ -29,6 +30,7 @@ use crate::error::{Error, Result};
 use crate::kinetics::Kinetics;
 use crate::light::{Planes, Sample, Survey};
 use crate::observer::{Observer, Pupil};
+use crate::optics::{Draw, Optics};
 use crate::spectrum::Bands;
 use crate::step;
 use crate::units::{Degrees, Millimetres, Nits, Seconds};
@@ -41,6 +43,7 @@ use percept::PerceptStage;
 use pigment::Model;
 use plan::Plan;
 use retina::Retina;
+use scattered::OpticsStage;
 pub use state::State;
 pub use stats::LookStats;
 
@@ -116,7 +119,7 @@ pub struct Look {
     pub percept: Planes,
     /// The percept's RGB -> linear sRGB in cd/m2, rows first.
     pub to_srgb: [[f32; 3]; 3],
-    /// Luminances of the light.
+    /// Luminances of the light that is seen: with its veil, where that is drawn.
     pub survey: Arc<Survey>,
     /// Where was looked, in pixels.
     pub gaze: [f64; 2],
@@ -154,6 +157,7 @@ pub struct Eye {
     first_gaze: Option<[f64; 2]>,
     surround: Surround,
     // The stages and their memory.
+    optics: Option<OpticsStage>,
     percept: PerceptStage,
     illuminance: Option<IlluminanceOperator>,
     /// Projections of the light around the picture at 1 cd/m2.
@@ -182,6 +186,12 @@ impl EyeBuilder {
         self
     }
 
+    /// Light scattered in the eye, in pictures of this size and scale; `None`: not at all.
+    pub fn optics(mut self, optics: Option<Optics>, draw: Draw) -> Self {
+        self.0.optics = optics.map(|optics| OpticsStage::new(optics, draw));
+        self
+    }
+
     /// What lies beyond the picture.
     pub fn surround(mut self, surround: Surround) -> Self {
         self.0.surround = surround;
@@ -205,7 +215,8 @@ impl EyeBuilder {
     /// # Errors
     /// A size or a scale is zero or not finite, or the retina is of another size.
     pub fn build(self) -> Result<Eye> {
-        let eye = self.0;
+        let mut eye = self.0;
+        eye.optics = eye.optics.map(|optics| optics.within(eye.surround));
         let [width, height] = eye.size;
         if width == 0 || height == 0 || eye.retina.size() != eye.size {
             let problem = format!(
@@ -253,6 +264,7 @@ impl Eye {
             check: None,
             first_gaze: None,
             surround: Surround::Edge,
+            optics: None,
             percept,
             illuminance: None,
             around,
@@ -360,7 +372,11 @@ impl Eye {
 
     /// The plan as `report.json` has it.
     pub fn plan_report(&self) -> serde_json::Value {
-        self.plan.report(self.model, &self.pigments)
+        let mut report = self.plan.report(self.model, &self.pigments);
+        if let Some(stage) = &self.optics {
+            report["optics"] = stage.report();
+        }
+        report
     }
 
     /// The name of the model that was used so far.

@@ -24,6 +24,8 @@ struct LookContext<'a> {
     retinal: &'a Planes,
     /// Light that is seen, if it is not the same.
     shown: Option<&'a Planes>,
+    /// Whether the percept is of halves, as the frame is.
+    half: bool,
     /// How far the gaze has moved from the first, in pixels.
     shift: [f64; 2],
     step: PigmentStep,
@@ -46,19 +48,22 @@ impl Eye {
             self.surround = Surround::Uniform(Nits(stimulus.survey.edge));
         }
 
-        // The stages. What scatters in the eye would be added to the light here.
-        let retinal = stimulus.planes;
-        let adapting = self.adapting(stimulus.planes, stimulus.survey, gaze);
-        let pupil = self.pupil.follow(adapting, duration);
-        let operator = self.aimed(retinal, pupil, gaze);
+        // The stages.
         // A look of no length moves nothing, whatever the model.
         let moving = self.plan.model(self.model, &self.pigments, duration);
         let model = if duration.0 == 0.0 { Model::Unbleached } else { moving };
+        let step = PigmentStep::new(self.pigments, model, duration);
+        let optics = self.scatter(stimulus, !step.is_idle());
+        let retinal = optics.as_ref().map_or(stimulus.planes, |optics| optics.retinal());
+        let adapting = self.adapting(stimulus.planes, stimulus.survey, gaze);
+        let pupil = self.pupil.follow(adapting, duration);
+        let operator = self.aimed(retinal, pupil, gaze);
         let context = LookContext {
             retinal,
-            shown: None,
+            shown: optics.as_ref().and_then(|optics| optics.shown(stimulus.planes)),
+            half: matches!(stimulus.planes.samples, Samples::Half(_)),
             shift,
-            step: PigmentStep::new(self.pigments, model, duration),
+            step,
             rule: self.plan.rule(&self.pigments, duration),
             around: self.surround_illuminance(pupil).map(|td| td as f32),
         };
@@ -66,7 +71,8 @@ impl Eye {
 
         self.illuminance = Some(operator);
         self.plan.note(&stats, model, &self.pigments, duration);
-        let survey = stimulus.survey.clone();
+        let survey = stimulus.seen_survey(optics.as_ref());
+        self.optics = optics.or(self.optics.take());
         let to_srgb = self.vision.seen_to_srgb.map(|row| row.map(|v| v as f32));
         let adapting = adapting.fovea;
         let look = Look { percept, to_srgb, survey, gaze, shift, duration, adapting, pupil, stats };
@@ -110,7 +116,7 @@ impl Eye {
         operator: &IlluminanceOperator,
     ) -> (Planes, LookStats) {
         let light = context.shown.unwrap_or(context.retinal);
-        let half = matches!(light.samples, Samples::Half(_)) && self.vision.returns_its_light();
+        let half = context.half && self.vision.returns_its_light();
         let mut percept = canvas(self.spare.take(), light, half);
         let tiles = self.retina.size()[0].div_ceil(operator.tile());
         let (rows, retina) = (self.retina.size()[1], &self.retina);
@@ -297,7 +303,8 @@ impl Eye {
         let scale = per_degree / self.pixels_per_degree;
         let r = Millimetres(scale * (x as f64 - look.gaze[0]).hypot(y as f64 - look.gaze[1]));
         let weights = self.vision.illuminance_weights(look.pupil, r);
-        self.vision.illuminance(&self.vision.moments(planes, x, y), &weights)
+        let retinal = self.on_the_retina(planes);
+        self.vision.illuminance(&self.vision.moments(retinal, x, y), &weights)
     }
 
     /// Unbleached fractions at one pixel of a frame that was looked at.
@@ -324,11 +331,13 @@ impl Eye {
 
     /// Moves the check by a look.
     fn follow(&self, check: &mut Check, stimulus: Stimulus<'_>, look: &Look) {
+        let veil = |at| self.veil(stimulus.planes, at);
         let frame = CheckFrame {
             vision: &self.vision,
             pigments: &self.pigments,
             kept: stimulus.spectra,
-            planes: stimulus.planes,
+            planes: self.on_the_retina(stimulus.planes),
+            veil: &veil,
             pupil: look.pupil,
             gaze: look.gaze,
             shift: look.shift,

@@ -102,7 +102,6 @@ impl Gaussians {
         self.nodes.iter().map(bell).sum::<f64>() + self.constant + self.quadratic * r * r
     }
 
-    #[cfg(test)]
     /// The share of the light that goes to a pixel so far away in x and y: the truth of the
     /// pyramid.
     pub fn at(&self, x: f64, y: f64) -> f64 {

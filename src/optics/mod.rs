@@ -199,6 +199,12 @@ impl Optics {
         self.bound
     }
 
+    /// The share of a place's light that goes to one so many pixels away in x and y: the sum of
+    /// Gaussians that the pyramid stands for.
+    pub fn share(&self, x: f64, y: f64) -> f64 {
+        self.sum.at(x, y)
+    }
+
     /// How finely it works.
     pub fn depth(&self) -> Depth {
         self.depth

@@ -161,7 +161,7 @@ impl Watching {
         self.meet(&look, step);
         let pictured = self.is_pictured(step);
         if let Some(display) = &self.display {
-            let map = display.follow(self.map.as_deref(), &loaded.survey, duration);
+            let map = display.follow(self.map.as_deref(), &look.survey, duration);
             self.map = Some(Arc::new(map));
         }
         let finished = Finished {

@@ -92,7 +92,7 @@ impl Probe {
     /// What the probe reads where these fractions are unbleached.
     pub fn reading(&self, eye: &Eye, planes: &Planes, look: &Look, p: [f64; 3]) -> Reading {
         let (pixel, vision) = (self.pixel([planes.width, planes.height], look.gaze), eye.vision());
-        let moments = vision.moments(planes, pixel[0], pixel[1]);
+        let moments = vision.moments(eye.seen_light(planes), pixel[0], pixel[1]);
         let [whole, catch] = [[1.0; 3], p].map(|p| vision.catch(&moments, p));
         Reading {
             probe: self.name.clone(),

@@ -7,6 +7,7 @@ use crate::config::Config;
 use crate::error::Result;
 use crate::eye::Eye;
 use crate::frames::{self, About, Footage, Kind, View, builtin};
+use crate::optics::Optics;
 use crate::run::eye::retina_of_file;
 use crate::run::reader::Sequence;
 use crate::run::schedule::{self, Step};
@@ -166,9 +167,14 @@ fn range_of(config: &Config, steps: &[Step]) -> Result<Option<Vec<u32>>> {
 /// # Errors
 /// A size or a scale is not above 0, or `observer.start` names no state of that size.
 pub fn eye_for(config: &Config, vision: Vision, size: [usize; 2], across: Degrees) -> Result<Eye> {
+    let (scatter, degrees) = (config.scatter(), across.0 / size[0].max(1) as f64);
+    let budget = config.settings.numerics.light_budget;
+    let optics = Optics::new(&scatter, size, degrees, vision.plane_count(), budget)
+        .map_err(|problem| config.wrong("optics.straylight", problem))?;
     let eye = Eye::builder(vision, size, across)
         .pigments(config.pigments())
         .model(config.model()?, config.budget())
+        .optics(optics, config.settings.optics.draw)
         .surround(config.surround());
     let eye = match config.settings.observer.start.as_str() {
         "rested" => eye,

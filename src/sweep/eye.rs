@@ -1,10 +1,13 @@
 //! What one case of a sweep reads at the end of a span: its probes, now and for ever.
 
+use std::sync::Arc;
+
 use crate::config::Config;
 use crate::error::Result;
 use crate::eye::Look;
+use crate::light::Survey;
 use crate::run::record::{Probe, Reading};
-use crate::run::{Loaded, Scene, Watching, resolved};
+use crate::run::{Loaded, Moment, Scene, Watching, resolved};
 use crate::sweep::pass::Span;
 use crate::units::{Seconds, Trolands};
 
@@ -25,6 +28,12 @@ impl CaseEye {
     /// The eye of a case before its first frame.
     pub fn new(config: &Config, scene: &Scene) -> Result<CaseEye> {
         Ok(CaseEye(Watching::new(config, scene, resolved(&config.settings))?))
+    }
+
+    /// Luminances of a frame as it is seen: with its veil, where that is drawn.
+    pub fn survey(mut self, loaded: &Loaded) -> Result<Arc<Survey>> {
+        let aim = Moment { time: 0.0, frame: 0 };
+        Ok(self.0.glance(loaded, aim)?.0.survey)
     }
 
     /// Looks at a frame for a span.

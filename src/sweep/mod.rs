@@ -181,7 +181,7 @@ impl Cells<'_> {
         let first = Opened::new(&self.sweep.cases[0], self.sweep)?;
         let mut held = (light::key(&first.case.config, &first.scene), self.lit(&first)?);
         // All cases show the same light by the same map, unless their displays differ.
-        let survey = held.1.survey.clone();
+        let survey = CaseEye::new(&first.case.config, &first.scene)?.survey(&held.1)?;
         let cells = pending.len() * self.sweep.durations.len();
         for (key, group) in groups(pending) {
             if held.0 != key {

@@ -11,6 +11,7 @@ pub mod chart;
 mod exposure;
 mod limit;
 mod observer;
+mod optics;
 mod oracle;
 mod paper;
 mod pictures;
@@ -166,7 +167,7 @@ pub struct Topic {
 }
 
 /// Every topic, in the order in which they are shown.
-pub const TOPICS: [Topic; 8] = [
+pub const TOPICS: [Topic; 9] = [
     Topic {
         title: "The steady state as the limit of long exposure: uniform fields",
         checks: limit::checks,
@@ -178,6 +179,7 @@ pub const TOPICS: [Topic; 8] = [
     Topic { title: "Short exposure, reciprocity, recovery", checks: exposure::checks },
     Topic { title: "The paper's equations and Table 1", checks: paper::checks },
     Topic { title: "The observer", checks: observer::checks },
+    Topic { title: "Light scattered in the eye", checks: optics::checks },
     Topic { title: "Published anchors", checks: anchors::checks },
     Topic { title: "The oracle: 30 digits from 60-digit arithmetic", checks: oracle::checks },
     Topic {

@@ -1,0 +1,132 @@
+//! The optics stage: light that the eye scatters, where it does. Off, it is not there.
+
+use std::sync::Arc;
+
+use serde_json::{Value, json};
+
+use super::{Eye, Stimulus, Surround, survey};
+use crate::light::{Planes, Survey};
+use crate::optics::{Draw, Optics};
+use crate::units::Nits;
+
+/// The optics, and the frame that it did last.
+pub(super) struct OpticsStage {
+    optics: Optics,
+    draw: Draw,
+    /// Luminance around the picture, where it was given.
+    beyond: Option<Nits>,
+    /// The light on the retina.
+    retinal: Planes,
+    /// The survey of the frame: each frame has one of its own.
+    of: Option<Arc<Survey>>,
+    /// The survey of the light that is seen.
+    seen: Option<Arc<Survey>>,
+}
+
+impl OpticsStage {
+    pub fn new(optics: Optics, draw: Draw) -> OpticsStage {
+        let retinal = Planes::float(0, 0, 0);
+        OpticsStage { optics, draw, beyond: None, retinal, of: None, seen: None }
+    }
+
+    /// The same in a world that is known.
+    pub fn within(self, surround: Surround) -> OpticsStage {
+        let beyond = match surround {
+            Surround::Edge => None,
+            Surround::Uniform(nits) => Some(nits),
+        };
+        OpticsStage { beyond, ..self }
+    }
+
+    /// The light on the retina.
+    pub fn retinal(&self) -> &Planes {
+        &self.retinal
+    }
+
+    /// The light that is seen where it is not that on the retina.
+    pub fn shown<'a>(&self, planes: &'a Planes) -> Option<&'a Planes> {
+        (self.draw == Draw::Clear).then_some(planes)
+    }
+
+    /// The share of its light that a place keeps.
+    fn kept(&self, [x, y]: [usize; 2]) -> f64 {
+        f64::from(self.optics.kept()[y * self.retinal.width + x])
+    }
+
+    /// What it can cost, for the report.
+    pub fn report(&self) -> Value {
+        let (gaussians, levels) = self.optics.extent();
+        let light = self.optics.bound();
+        json!({
+            "what": format!(
+                "optics: at most {light:.1e} of the light, by {gaussians} Gaussians on a pyramid of {levels} levels"
+            ),
+            "bound_of_light": light,
+            "moves_p": PER_LOG_LIGHT * light,
+            "moves_catch": PER_CATCH * light,
+            "draw": self.draw,
+        })
+    }
+}
+
+/// The greatest change of p for a change of ln I: 1/e, that of a step without regeneration.
+const PER_LOG_LIGHT: f64 = 0.3679;
+
+/// The greatest relative change of a catch for one of the light: its own, and what pigment that has
+/// all but gone makes of it, 10.6 in the worst transient.
+const PER_CATCH: f64 = 11.6;
+
+impl Eye {
+    /// Does a frame's scatter, unless it was the last frame too. `None`: there is none, or none that
+    /// matters: a veil that is not drawn over pigment that does not bleach.
+    pub(super) fn scatter(&mut self, s: Stimulus<'_>, bleaches: bool) -> Option<OpticsStage> {
+        let beyond = self.light_beyond();
+        let stage = self.optics.as_mut()?;
+        if !bleaches && stage.draw == Draw::Clear {
+            stage.of = None;
+            return None;
+        }
+        if !stage.of.as_ref().is_some_and(|of| Arc::ptr_eq(of, s.survey)) {
+            stage.optics.exchange(s.planes, beyond.as_deref(), &mut stage.retinal);
+            stage.of = Some(s.survey.clone());
+            stage.seen = (stage.draw == Draw::Veiled)
+                .then(|| Arc::new(survey(&self.vision, &stage.retinal, self.pixels_per_degree)));
+        }
+        self.optics.take()
+    }
+
+    /// The light around the picture, plane by plane, where a luminance was given. The picture's edge
+    /// says little of its colour: then no light leaves the picture or comes in.
+    fn light_beyond(&self) -> Option<Vec<f32>> {
+        let Nits(nits) = self.optics.as_ref()?.beyond?;
+        Some(self.around.iter().map(|v| (v * nits) as f32).collect())
+    }
+
+    /// The light on the retina of a frame that was looked at.
+    pub fn on_the_retina<'a>(&'a self, planes: &'a Planes) -> &'a Planes {
+        self.optics.as_ref().filter(|stage| stage.of.is_some()).map_or(planes, |s| &s.retinal)
+    }
+
+    /// The share of its light that a place kept, and the projections of the light that others and it
+    /// itself sent there, in a frame that was looked at.
+    pub(super) fn veil(&self, planes: &Planes, at @ [x, y]: [usize; 2]) -> Option<(f64, Vec<f64>)> {
+        let stage = self.optics.as_ref().filter(|stage| stage.of.is_some())?;
+        let kept = stage.kept(at);
+        let of = |planes| self.vision.moments(planes, x, y);
+        let veil = of(&stage.retinal).into_iter().zip(of(planes)).map(|(r, s)| r - kept * s);
+        Some((kept, veil.collect()))
+    }
+
+    /// The light that was seen, through what pigment was left, of a frame that was looked at.
+    pub fn seen_light<'a>(&'a self, planes: &'a Planes) -> &'a Planes {
+        let clear = self.optics.as_ref().is_some_and(|stage| stage.draw == Draw::Clear);
+        if clear { planes } else { self.on_the_retina(planes) }
+    }
+}
+
+impl Stimulus<'_> {
+    /// The survey of what is seen of it.
+    pub(super) fn seen_survey(&self, stage: Option<&OpticsStage>) -> Arc<Survey> {
+        stage.and_then(|stage| stage.seen.clone()).unwrap_or_else(|| self.survey.clone())
+    }
+}
