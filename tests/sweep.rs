@@ -106,7 +106,7 @@ fn the_nonlinear_laws_stay_within_budget_of_a_thousand_substeps() {
         let rows = table(&format!(
             "{SMALL}durations_s = [0.03, 1, 2, 40, 200, 1e4]\n[observer]\nkinetics = \"{law}\"\n[[sweep.vary]]\nkey = \"gaze.at\"\nvalues = [[0.5, 0.5], [0.1, 0.1]]\n"
         ));
-        let density = [0.38, 0.38, 0.30];
+        let density = [0.50, 0.50, 0.40];
         for row in &rows {
             let (light, p) = (triple(row, "I"), triple(row, "p"));
             for k in 0..3 {
