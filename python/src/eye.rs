@@ -211,7 +211,7 @@ impl Eye {
         let bytes = py.detach(|| {
             let watching = self.watching()?;
             let levels = watching.screen.map().map_or(Vec::new(), |map| map.levels().to_vec());
-            let state = (watching.eye.state(), levels);
+            let state = (self.made.size, watching.eye.state(), levels);
             postcard::to_allocvec(&state).map_err(|e| PyRuntimeError::new_err(e.to_string()))
         })?;
         Ok(PyBytes::new(py, &bytes))
@@ -227,8 +227,12 @@ impl Eye {
     fn restore(&self, py: Python<'_>, state: &[u8]) -> PyResult<()> {
         py.detach(|| {
             let unknown = |_| refused("state", "other bytes", "what Eye.state() returned");
-            let (state, levels): (State, Vec<f64>) =
+            let (size, state, levels): ([usize; 2], State, Vec<f64>) =
                 postcard::from_bytes(state).map_err(unknown)?;
+            if size != self.made.size {
+                let found = format!("that of an eye of another size, {} x {}", size[0], size[1]);
+                return Err(refused("state", found, "one of this eye's size"));
+            }
             let mut watching = self.watching()?;
             let mut screen = watching.screen.clone();
             screen.restore(levels).map_err(raised)?;

@@ -123,8 +123,7 @@ except ValueError as error: print(error)
 def test_pythons_lock_is_let_go_of_during_a_look(eye, sun):
     """Another thread of Python counts while this one looks for long."""
     big = np.broadcast_to(sun[:1, :1], (1500, 1500, 3)).copy()
-    wide = sungaze.Eye({"observer": {"kinetics": "self-screened"}}, width=1500, height=1500,
-                       horizontal_fov_deg=40, white_cd_m2=1e6)
+    wide = sungaze.Eye(width=1500, height=1500, horizontal_fov_deg=40, white_cd_m2=1e4)
     counted, looking = [], threading.Event()
 
     def count():
