@@ -197,7 +197,7 @@ impl Watching {
         let aim = Moment { time: step.start, frame: step.number };
         let (look, _) = self.glance(loaded, aim)?;
         let map = self.display.as_ref();
-        let map = map.map(|display| Arc::new(display.follow(None, &loaded.survey, Seconds(0.0))));
+        let map = map.map(|display| Arc::new(display.follow(None, &look.survey, Seconds(0.0))));
         self.timing.simulate_s += begun.elapsed().as_secs_f64();
         Ok(Finished {
             name: "start".into(),

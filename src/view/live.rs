@@ -15,8 +15,8 @@ use super::reel::Reel;
 use crate::config::Config;
 use crate::display::{Display, ToneMap};
 use crate::error::Result;
-use crate::eye::{self, Eye, Stimulus};
-use crate::light::Planes;
+use crate::eye::{self, Eye, Look, Stimulus};
+use crate::light::{Planes, Survey};
 use crate::run::{Gaze, Loaded, Scene};
 use crate::units::Seconds;
 
@@ -45,6 +45,8 @@ pub struct Live {
     reel: Reel,
     loaded: (usize, Loaded),
     display: Display,
+    /// Luminances of the light as it was seen last, veil and all.
+    survey: Arc<Survey>,
     map: Arc<ToneMap>,
     eye: Eye,
     /// The light itself, as an eye sees it that nothing has bleached.
@@ -73,9 +75,10 @@ impl Live {
         let first = reel.file(0.0);
         let loaded = scene.sequence(Some(Vec::new())).load(first, None)?;
         let display = config.display();
-        let map = Arc::new(display.follow(None, &loaded.survey, Seconds(0.0)));
         let eye = scene.eye(&config)?;
-        let before = Arc::new(unbleached(&config, &scene, &loaded)?);
+        let Look { percept, survey, .. } = unbleached(&config, &scene, &loaded)?;
+        let map = Arc::new(display.follow(None, &survey, Seconds(0.0)));
+        let before = Arc::new(percept);
         let gaze = first_gaze(&config, &scene, &loaded)?;
         let head = Head::rested([before.width, before.height], gaze);
         let path = if saved { recorded(&config)? } else { Vec::new() };
@@ -90,6 +93,7 @@ impl Live {
             reel,
             loaded: (first, loaded),
             display,
+            survey,
             map,
             eye,
             before,
@@ -207,7 +211,8 @@ impl Live {
             self.eye.recycle(spare);
         }
         let look = self.eye.look_at(stimulus(light), at, Seconds(duration));
-        self.map = Arc::new(self.display.follow(Some(&self.map), &light.survey, Seconds(duration)));
+        self.map = Arc::new(self.display.follow(Some(&self.map), &look.survey, Seconds(duration)));
+        self.survey = look.survey.clone();
         let pixel = [0, 1].map(|i| (at[i].round().max(0.0) as usize).min(self.head.size[i] - 1));
         let p = self.eye.fractions_at(&look, pixel);
         self.head = Head { time: end, duration, p, gaze, ..self.head };
@@ -224,7 +229,7 @@ impl Live {
     fn load(&mut self, file: usize) -> Result<()> {
         if self.loaded.0 != file {
             self.loaded = (file, self.scene.sequence(Some(Vec::new())).load(file, None)?);
-            self.before = Arc::new(unbleached(&self.config, &self.scene, &self.loaded.1)?);
+            self.before = Arc::new(unbleached(&self.config, &self.scene, &self.loaded.1)?.percept);
         }
         Ok(())
     }
@@ -255,7 +260,7 @@ impl Live {
         let config = self.config.with_values(keys)?;
         if keys.iter().all(|(key, _)| key.starts_with("display.")) && self.reel.is_still() {
             self.display = self.config.display();
-            self.map = Arc::new(self.display.follow(None, &self.loaded.1.survey, Seconds(0.0)));
+            self.map = Arc::new(self.display.follow(None, &self.survey, Seconds(0.0)));
             self.keys.each(|state| state.map = self.map.clone());
             self.config = config;
             return Ok(());
@@ -283,11 +288,11 @@ fn first_gaze(config: &Config, scene: &Scene, light: &Loaded) -> Result<[f64; 2]
     Ok([0, 1].map(|i| ((at[i] + 0.5) / size[i] as f64).clamp(0.0, 1.0)))
 }
 
-/// The percept of an eye that nothing bleaches.
-fn unbleached(config: &Config, scene: &Scene, light: &Loaded) -> Result<Planes> {
+/// The look of an eye that nothing bleaches.
+fn unbleached(config: &Config, scene: &Scene, light: &Loaded) -> Result<Look> {
     let config = config.with_values(&[("numerics.model".into(), "none".into())])?;
     let mut eye = scene.eye(&config)?;
-    Ok(eye.look_at(stimulus(light), [0.0; 2], Seconds(0.0)).percept)
+    Ok(eye.look_at(stimulus(light), [0.0; 2], Seconds(0.0)))
 }
 
 /// A frame, nothing of which is checked.
