@@ -419,7 +419,6 @@ pub struct Output {
     #[serde(skip_serializing_if = "String::is_empty", deserialize_with = "word_or_number")]
     pub range: String,
     pub page: bool,
-    pub marks: bool,
     pub compression: String,
     pub checkpoint_s: f64,
     pub probe: Vec<Probe>,
@@ -435,7 +434,6 @@ impl Default for Output {
             video: "none".into(),
             range: String::new(),
             page: true,
-            marks: false,
             compression: "auto".into(),
             checkpoint_s: 30.0,
             probe: Vec::new(),

@@ -6,7 +6,7 @@
 //!
 //! * RGB light keeps the file's own numbers: three planes, half or float.
 //! * Spectral light is never held whole. Each block of rows is projected as it is decoded by a
-//!   [`Projection`] onto the few inner products that the retina and the percept need; those are the
+//!   projection onto the few inner products that the retina and the percept need; those are the
 //!   planes.
 
 mod halves;

@@ -18,7 +18,7 @@ impl<'a> PlaneTile<'a> {
     }
 
     /// The run of `width` places that begins at `from`. Halves are widened into `room`, which must
-    /// be as long as all planes of the run ([`tiles`] sees to that).
+    /// be as long as all planes of the run (`kernel::tiles` sees to that).
     pub fn of(row: Row<'a>, count: usize, from: usize, width: usize, room: &'a mut [f32]) -> Self {
         match row {
             Row::Float(samples) => {
