@@ -168,7 +168,7 @@ impl Eye {
     ///     The frame has another shape or type, a sample is NaN or infinite, or `dt` is negative.
     #[pyo3(
         signature = (frame, dt, gaze=None, out=None),
-        text_signature = "(frame, dt, gaze=None, out=None)"
+        text_signature = "($self, frame, dt, gaze=None, out=None)"
     )]
     fn look<'py>(
         slf: Bound<'py, Self>,
@@ -223,7 +223,7 @@ impl Eye {
     /// ------
     /// ValueError
     ///     It is no such state; this eye's is kept.
-    #[pyo3(text_signature = "(state)")]
+    #[pyo3(text_signature = "($self, state)")]
     fn restore(&self, py: Python<'_>, state: &[u8]) -> PyResult<()> {
         py.detach(|| {
             let unknown = |_| refused("state", "other bytes", "what Eye.state() returned");
