@@ -123,7 +123,7 @@ impl Eye {
         white_cd_m2: Option<f64>,
         bands_nm: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Eye> {
-        let config = config_of(config)?;
+        let config = config_of(config)?.for_given_frames().map_err(raised)?;
         let config = match white_cd_m2 {
             None => config,
             Some(white) => {

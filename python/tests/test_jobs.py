@@ -157,4 +157,6 @@ def documented():
 def test_examples_in_the_documentation_are_true(name, thing):
     assert thing.__doc__, f"{name} is not documented"
     examples = doctest.DocTestParser().get_doctest(thing.__doc__, {}, name, None, None)
-    assert doctest.DocTestRunner().run(examples).failed == 0
+    # colour-science, imported by an example, sets how NumPy prints for the whole process.
+    with np.printoptions(legacy=False):
+        assert doctest.DocTestRunner().run(examples).failed == 0

@@ -119,6 +119,19 @@ impl Config {
         Ok(config)
     }
 
+    /// The same for frames that a caller brings instead of a scene: silence about the optics then
+    /// means none, as it does of files.
+    ///
+    /// # Errors
+    /// None that the configuration did not have before.
+    pub fn for_given_frames(&self) -> Result<Config> {
+        let psf = "optics.psf";
+        if self.gives(psf) {
+            return Ok(self.clone());
+        }
+        self.with(&[(psf.to_owned(), Value::String("none".into()))])
+    }
+
     /// The same with values as a page sends them; null takes a key back to its default.
     pub fn with_values(&self, changes: &[(String, serde_json::Value)]) -> Result<Config> {
         let mut config = self.clone();
