@@ -114,6 +114,38 @@ impl Curve {
         Curve(Self::wavelengths().map(f).collect())
     }
 
+    /// A spectrum from rows of wavelength in nm and value, straight lines between them and nothing
+    /// outside. Blank lines, lines after `#` and a header are passed over.
+    ///
+    /// # Errors
+    /// A row is not two numbers, a wavelength does not rise, a value is negative, or nothing lies
+    /// within the grid; the problem names its line.
+    pub fn of_rows(text: &str) -> Result<Curve, String> {
+        let mut rows: Vec<[f64; 2]> = Vec::new();
+        let lines = text.trim_start_matches('\u{feff}').lines().map(str::trim).enumerate();
+        let lines = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
+        for (place, (i, line)) in lines.enumerate() {
+            let cells: Vec<f64> = line.split(',').map_while(|v| v.trim().parse().ok()).collect();
+            match cells[..] {
+                [nm, value]
+                    if nm.is_finite()
+                        && (0.0..f64::INFINITY).contains(&value)
+                        && rows.last().is_none_or(|last| last[0] < nm) =>
+                {
+                    rows.push([nm, value])
+                }
+                [] if place == 0 => {}
+                _ => {
+                    let accepted = "nm,value with rising wavelengths and values of 0 or more";
+                    return Err(format!("line {}: found {line:?}; accepted: {accepted}", i + 1));
+                }
+            }
+        }
+        let curve = Curve::sampled(|nm| between(&rows, nm));
+        let lit = curve.integral() > 0.0;
+        lit.then_some(curve).ok_or_else(|| "holds no light from 390 to 830 nm".into())
+    }
+
     /// The value at a wavelength of the grid; zero elsewhere.
     pub fn at(&self, nm: usize) -> f64 {
         nm.checked_sub(Self::FROM).and_then(|i| self.0.get(i)).copied().unwrap_or(0.0)
@@ -218,6 +250,16 @@ impl Table {
             i if i == x.len() => y[i - 1],
             i => y[i - 1] + (y[i] - y[i - 1]) * (nm - x[i - 1]) / (x[i] - x[i - 1]),
         }
+    }
+}
+
+/// The value at a wavelength, on straight lines between rows; zero outside.
+fn between(rows: &[[f64; 2]], nm: f64) -> f64 {
+    let next = rows.partition_point(|row| row[0] <= nm);
+    match (next.checked_sub(1).map(|i| rows[i]), rows.get(next)) {
+        (Some([x0, a]), Some([x1, b])) => a + (b - a) * (nm - x0) / (x1 - x0),
+        (Some([x, a]), None) if x == nm => a,
+        _ => 0.0,
     }
 }
 

@@ -3,7 +3,9 @@
 use std::collections::HashSet;
 
 use super::Wrong;
-use super::settings::{Aim, Channels, DisplayFile, PupilKey, Settings, Steep, SurroundKey};
+use super::settings::{
+    Aim, Channels, DisplayFile, Input, PupilKey, Scene, Settings, Steep, SurroundKey, UnitKey,
+};
 
 type Check = Result<(), Wrong>;
 
@@ -62,26 +64,21 @@ fn input(s: &Settings) -> Check {
         return Err(("input.frames".into(), "excludes input.scene: give one of the two".into()));
     }
     if input.frames.is_some() {
-        let of_scene = [
-            ("input.width", input.width.is_some()),
-            ("input.sun_elevation_deg", input.sun_elevation_deg.is_some()),
-            ("input.turbidity", input.turbidity.is_some()),
-            ("input.horizon", input.horizon.is_some()),
-        ];
-        if let Some((key, _)) = of_scene.iter().find(|(_, given)| *given) {
+        if let Some((key, _)) = of_scenes(input).iter().find(|(_, given)| *given) {
             return Err((
                 (*key).into(),
-                "belongs to the built-in scene; it has no meaning beside input.frames".into(),
+                "belongs to a built-in scene; it has no meaning beside input.frames".into(),
             ));
         }
-        optional("input.horizontal_fov_deg", input.horizontal_fov_deg, 1e-3, 360.0)?;
-    } else if input.horizontal_fov_deg.is_some() {
-        return Err((
-            "input.horizontal_fov_deg".into(),
-            "belongs to input.frames; the built-in scene is 8 degrees across".into(),
-        ));
     }
-    optional("input.width", input.width.map(f64::from), 16.0, 16384.0)?;
+    match input.scene {
+        None => {}
+        Some(Scene::Sunset) => sunset(input)?,
+        Some(Scene::Field) => field(s)?,
+    }
+    optional("input.horizontal_fov_deg", input.horizontal_fov_deg, 1e-3, 360.0)?;
+    optional("input.width", input.width.map(f64::from), 1.0, 16384.0)?;
+    optional("input.height", input.height.map(f64::from), 1.0, 16384.0)?;
     optional("input.sun_elevation_deg", input.sun_elevation_deg, 0.0, 90.0)?;
     optional("input.turbidity", input.turbidity, 1.0, 10.0)?;
     optional("input.peak_cd_m2", input.peak_cd_m2, 1.0, 1e6)?;
@@ -90,6 +87,72 @@ fn input(s: &Settings) -> Check {
     within("input.scale", input.scale, 1e-30, 1e30)?;
     within("input.max_pixels", input.max_pixels as f64, 1.0, 1e12)
 }
+
+/// The keys of scenes without a file, and whether they are given.
+fn of_scenes(input: &Input) -> [(&'static str, bool); 11] {
+    [
+        ("input.width", input.width.is_some()),
+        ("input.sun_elevation_deg", input.sun_elevation_deg.is_some()),
+        ("input.turbidity", input.turbidity.is_some()),
+        ("input.horizon", input.horizon.is_some()),
+        ("input.height", input.height.is_some()),
+        ("input.unit", input.unit.is_some()),
+        ("input.spectrum", input.spectrum.is_some()),
+        ("input.level", input.level.is_some()),
+        ("input.schedule", input.schedule.is_some()),
+        ("input.repeat", input.repeat.is_some()),
+        ("input.history", input.history.is_some()),
+    ]
+}
+
+fn sunset(input: &Input) -> Check {
+    if let Some((key, _)) = of_scenes(input)[4..].iter().find(|(_, given)| *given) {
+        return Err(((*key).into(), "belongs to input.scene = \"field\"".into()));
+    }
+    if input.horizontal_fov_deg.is_some() {
+        return Err((
+            "input.horizontal_fov_deg".into(),
+            "belongs to input.frames; the built-in sunset is 8 degrees across".into(),
+        ));
+    }
+    optional("input.width", input.width.map(f64::from), 16.0, 16384.0)
+}
+
+fn field(s: &Settings) -> Check {
+    let input = &s.input;
+    if let Some((key, _)) = of_scenes(input)[1..4].iter().find(|(_, given)| *given) {
+        return Err(((*key).into(), "belongs to input.scene = \"sunset\"".into()));
+    }
+    optional("input.level", input.level, 0.0, MOST_LIGHT)?;
+    for &[seconds, level] in input.schedule.iter().flatten() {
+        within("input.schedule", seconds, 1e-9, 1e9)?;
+        within("input.schedule", level, 0.0, MOST_LIGHT)?;
+    }
+    if input.schedule.as_ref().is_some_and(Vec::is_empty) {
+        return wrong("input.schedule", "an empty list", "[seconds, level] for each light");
+    }
+    optional("input.repeat", input.repeat.map(f64::from), 1.0, 1e7)?;
+    let alone = |key: &str, problem: &str| Err((key.into(), problem.into()));
+    if input.repeat.is_some() && input.schedule.is_none() {
+        return alone("input.repeat", "belongs to input.schedule");
+    }
+    if input.history.is_some() && input.unit == Some(UnitKey::CdM2) {
+        return alone("input.unit", "found cd_m2; a history is in td");
+    }
+    if input.history.is_some() && input.spectrum.is_some() {
+        return alone("input.spectrum", "has no meaning beside a history, which gives each cone");
+    }
+    if input.level.is_none() && (s.time.listed().is_some() || s.time.duration_s.is_some()) {
+        let problem = "belongs to a level that stays; a schedule or a history has its own times";
+        let key = if s.time.duration_s.is_some() { "time.duration_s" } else { "time.times_s" };
+        let timed = input.schedule.is_some() || input.history.is_some();
+        return if timed { alone(key, problem) } else { Ok(()) };
+    }
+    Ok(())
+}
+
+/// The most light of a field, td or cd/m2.
+const MOST_LIGHT: f64 = 1e20;
 
 fn channels(s: &Settings) -> Check {
     let Some(Channels::Listed(list)) = &s.input.channels else { return Ok(()) };

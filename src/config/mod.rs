@@ -4,6 +4,7 @@
 //! Precedence: preset < constants < keys of the file < `--set`.
 
 mod check;
+mod field;
 mod resolve;
 pub mod settings;
 mod source;

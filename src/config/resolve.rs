@@ -16,8 +16,8 @@ use crate::optics::Scatter;
 use crate::step::Method;
 use crate::units::{Degrees, Millimetres, Nits, Seconds, Trolands};
 
-use super::Config;
 use super::settings::{self, *};
+use super::{Config, field};
 
 impl Config {
     /// The observer of `[observer]`.
@@ -51,6 +51,7 @@ impl Config {
     fn directional(&self) -> Directional {
         let o = &self.settings.observer;
         let reading = match o.stiles_crawford {
+            _ if self.is_at_the_retina() => Reading::Off,
             DirectionalKey::Pupil => Reading::Pupil,
             DirectionalKey::Paper => Reading::Paper { mm_per_degree: o.mm_per_degree },
             DirectionalKey::Off => Reading::Off,
@@ -66,6 +67,7 @@ impl Config {
     fn pupil(&self) -> Rule {
         let o = &self.settings.observer;
         match o.pupil {
+            _ if self.is_at_the_retina() => Rule::Fixed(field::UNIT_PUPIL),
             PupilKey::WatsonYellott => Rule::WatsonYellott { age: o.age, eyes: o.eyes },
             PupilKey::MoonSpencer => Rule::MoonSpencer,
             PupilKey::MoonSpencerAsPrinted => Rule::MoonSpencerAsPrinted,

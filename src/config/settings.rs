@@ -3,6 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::frames::uniform;
 use crate::frames::{TransferKey, ViewProjection};
 use crate::observer::{Field, Set};
 use crate::optics::{Draw, Psf, Scatter};
@@ -34,13 +35,12 @@ impl Settings {
     pub(super) fn completed(mut self) -> Self {
         let input = &mut self.input;
         if input.frames.is_none() {
-            input.scene.get_or_insert_default();
-            input.width.get_or_insert(480);
-            input.sun_elevation_deg.get_or_insert(0.5);
-            input.turbidity.get_or_insert(2.5);
-            input.horizon.get_or_insert_default();
+            match *input.scene.get_or_insert_default() {
+                Scene::Sunset => input.complete_sunset(),
+                Scene::Field => input.complete_field(),
+            }
         }
-        let sunset = self.input.frames.is_none() && self.observer.preset == Preset::Standard;
+        let sunset = input.scene == Some(Scene::Sunset) && self.observer.preset == Preset::Standard;
         self.optics.psf.get_or_insert(if sunset { Psf::Cie } else { Psf::None });
         let observer = &mut self.observer;
         let set =
@@ -60,11 +60,26 @@ pub struct Input {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub width: Option<u32>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    pub height: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub sun_elevation_deg: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub turbidity: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub horizon: Option<Horizon>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unit: Option<UnitKey>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spectrum: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub level: Option<f64>,
+    /// Seconds and level of each light, one after the other.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub schedule: Option<Vec<[f64; 2]>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub repeat: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub history: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frames: Option<OneOrMany>,
     #[serde(skip_serializing_if = "String::is_empty", deserialize_with = "word_or_number")]
@@ -99,9 +114,16 @@ impl Default for Input {
         Input {
             scene: None,
             width: None,
+            height: None,
             sun_elevation_deg: None,
             turbidity: None,
             horizon: None,
+            unit: None,
+            spectrum: None,
+            level: None,
+            schedule: None,
+            repeat: None,
+            history: None,
             frames: None,
             range: String::new(),
             kind: FileKind::Auto,
@@ -119,6 +141,25 @@ impl Default for Input {
             non_finite: NonFiniteKey::Error,
             negative: NegativeKey::Keep,
             max_pixels: 268_435_456,
+        }
+    }
+}
+
+impl Input {
+    fn complete_sunset(&mut self) {
+        self.width.get_or_insert(480);
+        self.sun_elevation_deg.get_or_insert(0.5);
+        self.turbidity.get_or_insert(2.5);
+        self.horizon.get_or_insert_default();
+    }
+
+    fn complete_field(&mut self) {
+        self.width.get_or_insert(16);
+        self.height.get_or_insert(16);
+        self.horizontal_fov_deg.get_or_insert(uniform::FIELD_DEG);
+        self.unit.get_or_insert_default();
+        if self.history.is_none() {
+            self.spectrum.get_or_insert_with(|| "equal-energy".into());
         }
     }
 }

@@ -3,11 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 macro_rules! words {
-    ($($(#[$doc:meta])* $name:ident { $($variant:ident),* } default $default:ident)*) => {$(
+    ($($(#[$doc:meta])* $name:ident { $($(#[$word:meta])* $variant:ident),* } default $default:ident)*) => {$(
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
         #[serde(rename_all = "kebab-case")]
-        pub enum $name { $($variant),* }
+        pub enum $name { $($(#[$word])* $variant),* }
 
         impl Default for $name {
             fn default() -> Self {
@@ -18,8 +18,10 @@ macro_rules! words {
 }
 
 words! {
-    /// The built-in scene.
-    Scene { Sunset } default Sunset
+    /// The scenes without a file: a low sun, or a uniform field.
+    Scene { Sunset, Field } default Sunset
+    /// `input.unit`: of a field's level. Trolands are at the retina.
+    UnitKey { Td, #[serde(rename = "cd_m2")] CdM2 } default Td
     /// What lies under its horizon.
     Horizon { Sea } default Sea
     /// `input.kind`.

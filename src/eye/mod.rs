@@ -110,6 +110,9 @@ pub struct Stimulus<'a> {
     pub checked: &'a [[usize; 2]],
     /// Their spectra, where planes are projections.
     pub spectra: Option<&'a SampledSpectra>,
+    /// The moments of every place in double precision, where all have the same light: pigment then
+    /// follows it to the last digits, and a gaze moves nothing.
+    pub uniform: Option<&'a [f64]>,
 }
 
 /// What one look found.
@@ -164,6 +167,8 @@ pub struct Eye {
     around: Vec<f64>,
     /// Cone illuminance of a whole picture, under a moved gaze.
     fields: Vec<f32>,
+    /// The moments of the latest frame, if it was a uniform field.
+    uniform: Option<Vec<f64>>,
     /// A percept to be written over, and the last frame that came as an array.
     spare: Option<Planes>,
     frame: Option<Planes>,
@@ -269,6 +274,7 @@ impl Eye {
             illuminance: None,
             around,
             fields: Vec::new(),
+            uniform: None,
             spare: None,
             frame: None,
         })
@@ -305,7 +311,13 @@ impl Eye {
             return Err(Error::light(problem));
         }
         let survey = Arc::new(survey(&self.vision, &planes, self.pixels_per_degree));
-        let stimulus = Stimulus { planes: &planes, survey: &survey, checked: &[], spectra: None };
+        let stimulus = Stimulus {
+            planes: &planes,
+            survey: &survey,
+            checked: &[],
+            spectra: None,
+            uniform: None,
+        };
         let look = self.look_at(stimulus, gaze.pixel(self.size), duration);
         self.frame = Some(planes);
         Ok(look)

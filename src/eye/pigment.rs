@@ -68,6 +68,28 @@ impl PigmentStep {
         matches!(self.model, Model::Unbleached)
     }
 
+    /// The same step of an eye that does not bleach.
+    pub fn idle(self) -> Self {
+        PigmentStep { model: Model::Unbleached, ..self }
+    }
+
+    /// Moves a row's L, M, S pigment by one light, td, in double precision.
+    pub fn held(&self, td: [f64; 3], p: [&mut [f64]; 3]) -> LookStats {
+        let mut stats = LookStats { greatest: td, stepped: true, ..LookStats::EMPTY };
+        for (k, row) in p.into_iter().enumerate() {
+            let (mut from, mut to) = (f64::NAN, f64::NAN);
+            for p in row.iter_mut() {
+                if *p != from {
+                    (from, to) = (*p, self.place(&self.pigments[k], *p, td[k]));
+                }
+                *p = to;
+            }
+            stats.least[k] = kernel::least(row);
+            stats.s_past_half = row.iter().filter(|&&p| k == 2 && p < 0.5).count() as u64;
+        }
+        stats
+    }
+
     /// Moves a tile's L, M, S pigment by its light, td, as far as the rule asks for. `bound`: what
     /// the tile may have lost unseen; `greatest`: of its light.
     pub fn tile(

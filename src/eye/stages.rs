@@ -42,7 +42,9 @@ impl Eye {
             self.adapt_to(stimulus, gaze, duration);
         }
         let first = *self.first_gaze.get_or_insert(gaze);
-        let shift = [gaze[0] - first[0], gaze[1] - first[1]];
+        self.uniform = self.exact_field(stimulus).map(<[f64]>::to_vec);
+        let is_field = self.uniform.is_some();
+        let shift = if is_field { [0.0; 2] } else { [gaze[0] - first[0], gaze[1] - first[1]] };
         let mut check = self.begun_check(stimulus.checked);
         if self.surround == Surround::Edge {
             self.surround = Surround::Uniform(Nits(stimulus.survey.edge));
@@ -50,24 +52,30 @@ impl Eye {
 
         // The stages.
         // A look of no length moves nothing, whatever the model.
-        let moving = self.plan.model(self.model, &self.pigments, duration);
-        let model = if duration.0 == 0.0 { Model::Unbleached } else { moving };
+        let model = match self.plan.model(self.model, &self.pigments, duration) {
+            _ if duration.0 == 0.0 => Model::Unbleached,
+            _ if is_field => self.model,
+            planned => planned,
+        };
         let step = PigmentStep::new(self.pigments, model, duration);
-        let optics = self.scatter(stimulus, !step.is_idle());
+        // What a field scatters is the field.
+        let optics = if is_field { None } else { self.scatter(stimulus, !step.is_idle()) };
         let retinal = optics.as_ref().map_or(stimulus.planes, |optics| optics.retinal());
         let adapting = self.adapting(stimulus.planes, stimulus.survey, gaze);
         let pupil = self.pupil.follow(adapting, duration);
         let operator = self.aimed(retinal, pupil, gaze);
+        let of_field = self.immerse(&step, pupil);
         let context = LookContext {
             retinal,
             shown: optics.as_ref().and_then(|optics| optics.shown(stimulus.planes)),
             half: matches!(stimulus.planes.samples, Samples::Half(_)),
             shift,
-            step,
+            step: if is_field { step.idle() } else { step },
             rule: self.plan.rule(&self.pigments, duration),
             around: self.surround_illuminance(pupil).map(|td| td as f32),
         };
         let (percept, stats) = self.percept_of(&context, &operator);
+        let stats = stats.and(of_field);
 
         self.illuminance = Some(operator);
         self.plan.note(&stats, model, &self.pigments, duration);
@@ -81,6 +89,23 @@ impl Eye {
         }
         self.check = check;
         look
+    }
+
+    /// The moments of a uniform field that every place receives alike.
+    fn exact_field<'a>(&self, stimulus: Stimulus<'a>) -> Option<&'a [f64]> {
+        let alike = self.vision.observer.directional.mm_per_degree().is_none();
+        stimulus.uniform.filter(|_| alike)
+    }
+
+    /// Moves every place by the light of a uniform field, in double precision; nothing is left out.
+    fn immerse(&mut self, step: &PigmentStep, pupil: Millimetres) -> LookStats {
+        let Some(moments) = self.uniform.as_ref().filter(|_| !step.is_idle()) else {
+            return LookStats::EMPTY;
+        };
+        let weights = self.vision.illuminance_weights(pupil, Millimetres(0.0));
+        let td = self.vision.illuminance(moments, &weights);
+        let rows = self.retina.par_rows_mut();
+        rows.map(|row| step.held(td, thirds(row))).reduce(|| LookStats::EMPTY, LookStats::and)
     }
 
     /// The steady state of a frame, before the first look at it. The pupil is that of the first
@@ -303,8 +328,9 @@ impl Eye {
         let scale = per_degree / self.pixels_per_degree;
         let r = Millimetres(scale * (x as f64 - look.gaze[0]).hypot(y as f64 - look.gaze[1]));
         let weights = self.vision.illuminance_weights(look.pupil, r);
-        let retinal = self.on_the_retina(planes);
-        self.vision.illuminance(&self.vision.moments(retinal, x, y), &weights)
+        let of_place = || self.vision.moments(self.on_the_retina(planes), x, y);
+        let moments = self.uniform.clone().unwrap_or_else(of_place);
+        self.vision.illuminance(&moments, &weights)
     }
 
     /// Unbleached fractions at one pixel of a frame that was looked at.

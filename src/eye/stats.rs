@@ -18,6 +18,7 @@ pub struct LookStats {
 }
 
 impl LookStats {
+    /// Nothing met.
     pub(super) const EMPTY: LookStats = LookStats {
         greatest: [0.0; 3],
         least: [1.0; 3],

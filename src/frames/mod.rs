@@ -6,6 +6,7 @@
 //!   `*_picture`, `envi*`, `film*`, listed in `FORMATS`. Footage of many files: `footage`.
 //! * Codes made for a display to light: `displayed`, `transfer`.
 //! * What channels mean: `names`, `channels`. What is wrong with samples: `census`.
+//! * Scenes without a file: [`builtin`], [`uniform`].
 //! * Files out: `written`, its blocks encoded by the crate `exr-blocks`; whole or not at all:
 //!   [`atomic`].
 //! * What a file holds, for people: `inspect*`, `exr_description`.
@@ -49,6 +50,7 @@ mod sequence;
 mod state;
 mod transfer;
 mod turn;
+pub mod uniform;
 mod visible;
 mod written;
 

@@ -119,6 +119,11 @@ pub trait Footage: Send + Sync {
         projection: Option<&Projection>,
         recycled: Option<Planes>,
     ) -> Result<Frame>;
+    /// The moments of frame `index` in double precision, where every place has the same light.
+    fn uniform(&self, index: usize) -> Option<&[f64]> {
+        let _ = index;
+        None
+    }
     /// What else frame `index` carries, to be written with its percept; `None` where that is
     /// nothing.
     ///

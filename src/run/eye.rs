@@ -136,6 +136,7 @@ impl Watching {
             survey: &loaded.survey,
             checked: &loaded.places,
             spectra: loaded.kept.as_deref(),
+            uniform: loaded.uniform.as_deref(),
         };
         let look = self.eye.look_at(stimulus, gaze, duration);
         let readings = self.probes.iter().map(|probe| probe.read(&self.eye, planes, &look));

@@ -83,7 +83,12 @@ pub fn tables(config: &Config) -> Vec<PathBuf> {
     let settings = &config.settings;
     let start =
         Some(&settings.observer.start).filter(|s| !["rested", "adapted"].contains(&s.as_str()));
-    settings.gaze.path.iter().chain(start).map(|name| config.path(name)).collect()
+    let spectrum = Some(&settings.input.spectrum)
+        .into_iter()
+        .flatten()
+        .filter(|s| !["equal-energy", "d65"].contains(&s.as_str()));
+    let tables = settings.gaze.path.iter().chain(start).chain(&settings.input.history);
+    tables.chain(spectrum).map(|name| config.path(name)).collect()
 }
 
 /// The same as they are now.

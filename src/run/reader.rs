@@ -27,6 +27,8 @@ pub struct Loaded {
     /// The places of the sampled check, and their spectra where frames hold bands.
     pub places: Arc<Vec<[usize; 2]>>,
     pub kept: Option<Arc<SampledSpectra>>,
+    /// The moments of every place, where all have the same light.
+    pub uniform: Option<Vec<f64>>,
 }
 
 /// The footage as the reader sees it.
@@ -45,6 +47,10 @@ impl Sequence<'_> {
     /// places are still to be chosen and its spectra to be kept.
     pub fn load(&mut self, file: usize, recycled: Option<Planes>) -> Result<Loaded> {
         let projection = self.vision.projection();
+        if self.footage.uniform(file).is_some() {
+            // Nothing is left out of a uniform field: there is nothing to check.
+            self.places = Some(Vec::new());
+        }
         if self.places.is_none() {
             let first = self.footage.read(file, projection, recycled)?;
             let places = check::places(self.vision, &first.planes);
@@ -77,7 +83,8 @@ impl Sequence<'_> {
                 "is brighter than 3.4e38 cd/m2 somewhere: check input.white_cd_m2 or input.scale";
             return Err(Error::file(format!("frame file {}", file + 1), problem));
         }
-        Ok(Loaded { frame, input: None, took_s: 0.0, survey: Arc::new(survey), places, kept })
+        let (survey, uniform) = (Arc::new(survey), self.footage.uniform(file).map(<[f64]>::to_vec));
+        Ok(Loaded { frame, input: None, took_s: 0.0, survey, places, kept, uniform })
     }
 }
 

@@ -32,6 +32,12 @@ pub struct Scene {
 impl Scene {
     /// Opens what `[input]` names. Only headers are read.
     pub fn open(config: &Config) -> Result<Scene> {
+        if config.has_field() {
+            let (footage, edges) = config.field()?;
+            let steps = schedule::of_field(config, &edges, footage.len())?;
+            let view = view_of(config, None)?;
+            return Scene::of(config, Box::new(footage), steps, Default::default(), view);
+        }
         let Some(sequence) = config.sequence()? else {
             let footage = Box::new(config.scene());
             let steps = schedule::of_still(config)?;

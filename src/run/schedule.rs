@@ -54,6 +54,27 @@ pub fn of_still(config: &Config) -> Result<Vec<Step>> {
     Ok(steps(&edges, (1..).map(|number| (number, 0))))
 }
 
+/// The frames of a uniform field: one for each of its lights, in turns, that `[time]` may cut finer.
+/// `edges`: their starts and the end of the last, s; none for one light that stays.
+pub fn of_field(config: &Config, edges: &[f64], lights: usize) -> Result<Vec<Step>> {
+    let time = &config.settings.time;
+    if edges.is_empty() {
+        return of_still(config);
+    }
+    let cut = time.fps.map(|fps| 1.0 / fps).or(time.interval_s);
+    let mut parts: Vec<(f64, usize)> = Vec::new();
+    for (i, edge) in edges.windows(2).enumerate() {
+        let length = edge[1] - edge[0];
+        let pieces = even_edges(config, length, cut.unwrap_or(length))?;
+        let starts = &pieces[..pieces.len() - 1];
+        parts.extend(starts.iter().map(|start| (edge[0] + start, i % lights)));
+    }
+    let ends = parts.iter().map(|part| part.0).chain(edges.last().copied());
+    let frames = (1..).zip(parts.iter().map(|part| part.1));
+    let steps = steps(&ends.collect::<Vec<_>>(), frames);
+    if time.follows_the_gaze() { of_path(config, &steps) } else { Ok(steps) }
+}
+
 /// The frames of a sequence: `numbers` and the file that shows each, with the rate that the files
 /// tell, or the times of a film.
 pub fn of_sequence(

@@ -297,5 +297,11 @@ fn unbleached(config: &Config, scene: &Scene, light: &Loaded) -> Result<Look> {
 
 /// A frame, nothing of which is checked.
 fn stimulus(light: &Loaded) -> Stimulus<'_> {
-    Stimulus { planes: &light.frame.planes, survey: &light.survey, checked: &[], spectra: None }
+    Stimulus {
+        planes: &light.frame.planes,
+        survey: &light.survey,
+        checked: &[],
+        spectra: None,
+        uniform: light.uniform.as_deref(),
+    }
 }

@@ -231,12 +231,22 @@ impl Vision {
     /// Moments of light that an equal-energy spectrum of one cd/m2 would have: what surrounds the
     /// picture.
     pub fn equal_energy_moments(&self) -> Vec<f64> {
-        let unit =
-            1.0 / (self.observer.lumens_per_watt * self.observer.luminous_efficiency().integral());
-        weighting_curves(&self.observer, &self.levels)
-            .iter()
-            .map(|row| unit * self.observer.lumens_per_watt * row.integral())
-            .collect()
+        self.moments_of(&Curve::sampled(|_| 1.0))
+    }
+
+    /// Moments of light of any spectrum at one cd/m2.
+    pub fn moments_of(&self, spectrum: &Curve) -> Vec<f64> {
+        let luminance = spectrum.times(&self.observer.luminous_efficiency()).integral();
+        let rows = weighting_curves(&self.observer, &self.levels);
+        rows.iter().map(|row| spectrum.times(row).integral() / luminance).collect()
+    }
+
+    /// The cone class that a moment belongs to: 0, 1, 2 for L, M, S.
+    pub fn cone_of_moment(&self, row: usize) -> usize {
+        match row.checked_sub(self.first_illuminance()) {
+            None => row / self.levels.len(),
+            Some(row) => row / self.observer.directional.levels().len(),
+        }
     }
 
     /// Cone illuminance as a linear form of the moments: `[cone][level]`, to be applied to
