@@ -142,11 +142,16 @@ impl Spaced {
         Err(format!("{found}; accepted: 0 < from < to, 2 to {MOST} of them"))
     }
 
-    /// Step `i`; the last is exactly `to`.
+    /// Step `i` in twelve digits, so that decades are whole; the ends are exact.
     fn at(self, i: usize) -> f64 {
         let Spaced { from, to, count } = self;
         let share = i as f64 / (count - 1) as f64;
-        if i + 1 == count { to } else { from * (to / from).powf(share) }
+        let value = from * (to / from).powf(share);
+        match i {
+            0 => from,
+            i if i + 1 == count => to,
+            _ => format!("{value:.11e}").parse().unwrap_or(value),
+        }
     }
 }
 

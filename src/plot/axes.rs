@@ -64,9 +64,32 @@ impl<'a> Axis<'a> {
         let values = (first..=last).map(|i| i as f64 * self.every);
         let tick = |v: f64| match self.logarithmic {
             true => (10f64.powf(v), power(v)),
+            false if v.abs() >= 1e4 => (v, raised(&format!("{v:e}"))),
             false => (v, format!("{}", (v * 1e9).round() / 1e9)),
         };
         values.map(tick).collect()
+    }
+}
+
+/// A number in two digits, four below 10⁴ and above a thousandth.
+pub fn written(value: f64) -> String {
+    let size = value.abs().max(f64::MIN_POSITIVE).log10().floor();
+    match value.abs() {
+        0.0 => "0".into(),
+        1e4.. | ..1e-3 => raised(&format!("{value:.1e}")),
+        _ => {
+            let unit = 10f64.powf((3.0 - size).max(0.0));
+            ((value * unit).round() / unit).to_string()
+        }
+    }
+}
+
+/// A number as `2.5e7` in type: 2.5·10⁷.
+fn raised(text: &str) -> String {
+    let (digits, size) = text.split_once('e').unwrap_or((text, "0"));
+    match (digits.trim_end_matches(".0"), power(size.parse().unwrap_or(0.0))) {
+        ("1", power) => power,
+        (digits, power) => format!("{digits}·{power}"),
     }
 }
 
@@ -203,6 +226,15 @@ impl Panel<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_are_written_shortly_and_large_ticks_as_powers() {
+        let few = [0.0, 12.34567, 0.25, 2.04e4, 9.99e7, 3e-5].map(written);
+        assert_eq!(few, ["0", "12.35", "0.25", "2·10⁴", "10⁸", "3·10⁻⁵"]);
+        let ticks = Axis::linear(0.0, 7e5, 4.0, "").ticks();
+        let labels: Vec<&str> = ticks.iter().map(|tick| tick.1.as_str()).collect();
+        assert_eq!(labels, ["0", "2·10⁵", "4·10⁵", "6·10⁵"]);
+    }
 
     #[test]
     fn round_values_are_labelled_and_no_more_than_asked_for() {

@@ -6,7 +6,7 @@ use crate::config::{Case, Sweep};
 use crate::error::Result;
 use crate::frames::atomic;
 use crate::plot::Ink;
-use crate::plot::axes::power;
+use crate::plot::axes::written;
 use crate::plot::family::{self, Family, Member, Scale};
 use crate::plot::moment::{Cones, Moment};
 use crate::plot::palette::{APART, ordered};
@@ -56,9 +56,15 @@ fn members(case: &Case, left: &Left, (ink, dash): (Ink, usize)) -> Vec<(String, 
     rows(&left.rows).into_iter().enumerate().map(member).collect()
 }
 
+/// Longer numbers are rounded where they name a case.
+const MOST_DIGITS: usize = 8;
+
 /// Values as a person writes them, without the quotes of TOML.
 pub fn plain(values: &[String]) -> String {
-    let bare = |value: &String| value.trim_matches('"').to_owned();
+    let bare = |value: &String| match value.parse() {
+        Ok(number) if value.ends_with("0000.0") || value.len() > MOST_DIGITS => written(number),
+        _ => value.trim_matches('"').trim_end_matches(".0").to_owned(),
+    };
     values.iter().map(bare).collect::<Vec<_>>().join(", ")
 }
 
@@ -155,26 +161,6 @@ fn spaced(values: &[f64]) -> (Vec<f64>, Vec<(f64, String)>) {
     (values.iter().map(|v| place(*v)).collect(), labels)
 }
 
-/// A number in two digits, four below 10⁴ and above a thousandth.
-fn written(value: f64) -> String {
-    let size = value.abs().max(f64::MIN_POSITIVE).log10().floor();
-    match value.abs() {
-        0.0 => "0".into(),
-        1e4.. | ..1e-3 => {
-            let text = format!("{value:.1e}");
-            let (digits, size) = text.split_once('e').unwrap_or((&text, "0"));
-            match (digits.trim_end_matches(".0"), power(size.parse().unwrap_or(0.0))) {
-                ("1", power) => power,
-                (digits, power) => format!("{digits}·{power}"),
-            }
-        }
-        _ => {
-            let unit = 10f64.powf((3.0 - size).max(0.0));
-            ((value * unit).round() / unit).to_string()
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -240,7 +226,5 @@ mod tests {
             labels.len() <= 13 && labels.iter().all(|(_, label)| label.chars().count() <= 8),
             "{labels:?}"
         );
-        let few = [0.0, 12.34567, 0.25, 2.04e4, 9.99e7, 3e-5].map(written);
-        assert_eq!(few, ["0", "12.35", "0.25", "2·10⁴", "10⁸", "3·10⁻⁵"]);
     }
 }
