@@ -72,6 +72,17 @@ impl Law {
             Law::RateLimited { .. } => "rate-limited",
         }
     }
+
+    /// dp/dt in one line, for tables. I: cone illuminance, td.
+    pub fn formula(self) -> &'static str {
+        match self {
+            Law::FirstOrder => "tau dp/dt = 1 - p - (I/I0) p",
+            Law::SelfScreened { .. } => {
+                "tau dp/dt = 1 - p - 0.5 (I/I0) (1 - 10^(-D p))/(1 - 10^(-D/2))"
+            }
+            Law::RateLimited { .. } => "tau dp/dt = (1 + Km) (1 - p)/(1 - p + Km) - (I/I0) p",
+        }
+    }
 }
 
 /// The kinetics of one cone class (or of the rods).

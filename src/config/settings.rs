@@ -460,6 +460,8 @@ pub struct Output {
     #[serde(skip_serializing_if = "String::is_empty", deserialize_with = "word_or_number")]
     pub range: String,
     pub page: bool,
+    /// Whether tables begin with the law and its constants, as a comment.
+    pub law: bool,
     pub compression: String,
     pub checkpoint_s: f64,
     pub probe: Vec<Probe>,
@@ -475,6 +477,7 @@ impl Default for Output {
             video: "none".into(),
             range: String::new(),
             page: true,
+            law: false,
             compression: "auto".into(),
             checkpoint_s: 30.0,
             probe: Vec::new(),

@@ -67,7 +67,7 @@ impl Frames {
 
 fn reader(path: &Path) -> Result<csv::Reader<std::fs::File>> {
     let file = std::fs::File::open(path).map_err(Error::io(path, "read"))?;
-    Ok(csv::ReaderBuilder::new().flexible(true).from_reader(file))
+    Ok(csv::ReaderBuilder::new().comment(Some(b'#')).flexible(true).from_reader(file))
 }
 
 /// Hands over every row with the number of its frame, from 0.

@@ -116,7 +116,7 @@ fn stages(
     watch: &dyn Watch,
 ) -> Result<Timing> {
     let writer = writer(config, scene, &eye.config, folder)?;
-    let tables = Tables::open(folder, lengths)?;
+    let tables = Tables::open(folder, &report::law_line(config), lengths)?;
     let steps = &scene.steps[eye.done..];
     let progress = (eye.done, scene.steps.len());
     let (to_eye, from_reader) = sync_channel(QUEUE);
@@ -305,6 +305,7 @@ fn finish(
         "config": eye.config,
         "version": env!("CARGO_PKG_VERSION"),
         "constants": report::constants(config),
+        "columns": record::columns(),
         "plan": eye.eye.plan_report(),
         "check": eye.eye.check().map_or_else(report::unchecked, Check::report),
         "frames": {

@@ -22,6 +22,35 @@ fovea_bleached_L,fovea_bleached_M,fovea_bleached_S,max_bleached_L,max_bleached_M
 pub const PROBES: &str =
     "frame,time_s,probe,I_L,I_M,I_S,p_L,p_M,p_S,X,Y,Z,x,y,pupil_mm,lost_L,lost_M,lost_S\n";
 
+/// Columns of the tables, and what they are.
+const COLUMNS: [(&str, &str); 20] = [
+    ("frame", "number of the frame, or of the file where it has one"),
+    ("time_s", "end of the frame, s"),
+    ("duration_s", "length of the frame, or of the exposure, s"),
+    ("gaze_x, gaze_y", "where the eye looks, fractions of width and height from the top left"),
+    ("adapting_cd_m2", "mean luminance over the fovea, cd/m2"),
+    ("pupil_mm", "diameter of the pupil, mm"),
+    ("sce_L, sce_M, sce_S", "mean Stiles-Crawford weight over the pupil of an equal-energy light"),
+    ("fovea_bleached_L, _M, _S", "mean bleached fraction over the fovea, 0 to 1"),
+    ("max_bleached_L, _M, _S", "greatest bleached fraction that the frame left, 0 to 1"),
+    ("model", "how pigment followed light: none, steady, tracked"),
+    ("probe", "name of the place, or gaze"),
+    ("I_L, I_M, I_S", "cone illuminance, td"),
+    ("p_L, p_M, p_S", "unbleached fraction, 0 to 1"),
+    ("X, Y, Z", "percept, cd/m2"),
+    ("x, y", "chromaticity of the percept"),
+    ("lost_L, lost_M, lost_S", "log10 of the catch unbleached over the catch"),
+    ("case", "number of the case, from 0"),
+    ("steady_p_L, _M, _S", "unbleached fraction if the light lasted, 0 to 1"),
+    ("recovery_95_s", "seconds in the dark until L, M and S are all back at 95 %"),
+    ("recovery_50_s, recovery_90_s", "the same for 50 and 90 %"),
+];
+
+/// The columns of `trace.csv`, `probes.csv` and `sweep.csv` with their units, for a report.
+pub fn columns() -> Value {
+    COLUMNS.iter().map(|&(name, what)| (name.to_owned(), Value::from(what))).collect()
+}
+
 /// A point of the picture that is traced through time; `None`: the gaze itself.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Probe {
@@ -147,7 +176,7 @@ pub fn probe_rows(readings: &[Reading], step: &Step) -> String {
 pub fn results(path: &Path, pigments: &[Kinetics; 3]) -> Result<Value> {
     let file = std::fs::File::open(path).map_err(Error::io(path, "read"))?;
     let mut results: Vec<(Reading, [(f64, f64); 3])> = Vec::new();
-    for line in BufReader::new(file).lines().skip(1) {
+    for line in BufReader::new(file).lines() {
         let line = line.map_err(Error::io(path, "read"))?;
         let Some((time, reading)) = parse(&line) else { continue };
         let at = results.iter().position(|(last, _)| last.probe == reading.probe);
@@ -186,11 +215,8 @@ const PLOTTED: usize = 2000;
 pub fn read_back(path: &Path) -> Result<Vec<(f64, Vec<Reading>)>> {
     let lines = || -> Result<_> {
         let file = std::fs::File::open(path).map_err(Error::io(path, "read"))?;
-        Ok(BufReader::new(file)
-            .lines()
-            .skip(1)
-            .map_while(|line| line.ok())
-            .filter_map(|line| parse(&line)))
+        let rows = BufReader::new(file).lines().map_while(|line| line.ok());
+        Ok(rows.filter_map(|line| parse(&line)))
     };
     let frames =
         lines()?.fold((0usize, f64::NAN), |(n, last), (t, _)| (n + usize::from(t != last), t)).0;
@@ -210,6 +236,7 @@ pub fn read_back(path: &Path) -> Result<Vec<(f64, Vec<Reading>)>> {
     Ok(history)
 }
 
+/// A row; `None` for the header and a comment.
 fn parse(line: &str) -> Option<(f64, Reading)> {
     let cells: Vec<&str> = line.split(',').collect();
     let number = |i: usize| cells.get(i)?.parse().ok();

@@ -173,6 +173,7 @@ pub fn constants(config: &Config) -> Value {
     json!({
         "set": o.constants,
         "source": if as_published { set.map_or("", |s| s.source) } else { "given in the configuration" },
+        "law": config.pigments()[0].law.formula(),
         "cones": CONES,
         "half_bleach_td": o.half_bleach_log_td.map(|log| 10f64.powf(log)),
         "tau_s": o.tau_s,
@@ -186,4 +187,21 @@ pub fn constants(config: &Config) -> Value {
         "lms_to_xyz": "CIE 170-2:2015, or the inverse of the 1993 set's matrix",
         "rgb_basis": "Mallett & Yuksel 2019 under CIE D65",
     })
+}
+
+/// The first line of a table whose reader asks for the law (`output.law`): a comment.
+pub fn law_line(config: &Config) -> String {
+    if !config.settings.output.law {
+        return String::new();
+    }
+    let [law, set, source, light, tau, km, density] =
+        ["law", "set", "source", "half_bleach_td", "tau_s", "km", "optical_density"]
+            .map(|key| constants(config)[key].clone());
+    let word = |value: Value| value.as_str().unwrap_or_default().to_owned();
+    format!(
+        "# {}; of L, M, S: I0 = {light} td, tau = {tau} s, D = {density}; Km = {km}; constants {}: {}\n",
+        word(law),
+        word(set),
+        word(source)
+    )
 }

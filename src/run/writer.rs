@@ -65,16 +65,18 @@ pub struct Tables {
 }
 
 impl Tables {
-    /// Opens both tables, cut to the lengths of a checkpoint or begun with their headers.
+    /// Opens both tables, cut to the lengths of a checkpoint or begun with a comment, which may be
+    /// empty, and their headers.
     ///
     /// # Errors
     /// A table cannot be written, or is shorter than the checkpoint says.
-    pub fn open(folder: &Path, lengths: Option<[u64; 2]>) -> Result<Tables> {
+    pub fn open(folder: &Path, comment: &str, lengths: Option<[u64; 2]>) -> Result<Tables> {
         let open = |name: &str, header: &str, length: Option<u64>| {
             let path = folder.join(name);
             let file = match length {
                 Some(length) => cut(&path, length)?,
-                None => begun(&path, header).map_err(Error::io(&path, "write"))?,
+                None => begun(&path, &format!("{comment}{header}"))
+                    .map_err(Error::io(&path, "write"))?,
             };
             Ok((path, file))
         };

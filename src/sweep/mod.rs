@@ -330,7 +330,8 @@ fn gather(sweep: &Sweep, folder: &Folder, left: &[Left]) -> Result<PathBuf> {
         all.extend(case.rows.split_inclusive('\n').skip(1));
     }
     let table = folder.path.join(folder::TABLE);
-    atomic::write_text(&table, &all)?;
+    let comment = sweep.cases.first().map(|case| run::report::law_line(&case.config));
+    atomic::write_text(&table, &(comment.unwrap_or_default() + &all))?;
     let typed = typed::rows(&table)?;
     atomic::write_text(&folder.path.join(folder::TYPED), &format!("{typed:#}\n"))?;
     contact::write(&folder.path.join(folder::CONTACT), sweep, left)?;

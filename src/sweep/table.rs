@@ -4,14 +4,17 @@
 use crate::kinetics::Kinetics;
 use crate::run::record::{PROBES, Reading};
 
-/// Unbleached, above which a cone counts as recovered.
-const RECOVERED: f64 = 0.95;
+/// Unbleached, above which a cone counts as recovered; in the order of the columns.
+const RECOVERED: [f64; 3] = [0.95, 0.5, 0.9];
+
+/// Seconds in the dark until L, M and S are all back.
+const RECOVERY: &str = "recovery_95_s,recovery_50_s,recovery_90_s";
 
 /// The header, with its line's end.
 pub fn header(keys: &[String]) -> String {
     let columns = PROBES.trim_start_matches("frame,time_s,").trim_end();
     let keys: String = keys.iter().map(|key| format!("{},", field(key))).collect();
-    format!("case,duration_s,{keys}{columns},steady_p_L,steady_p_M,steady_p_S,recovery_95_s\n")
+    format!("case,duration_s,{keys}{columns},steady_p_L,steady_p_M,steady_p_S,{RECOVERY}\n")
 }
 
 /// What a cell's rows begin with.
@@ -32,8 +35,9 @@ pub fn rows(
     let values: String = values.iter().map(|value| format!("{},", field(value))).collect();
     let row = |(reading, steady): (&Reading, &Reading)| {
         let [l, m, s] = steady.p;
-        let recovery = reading.recovery(pigments, RECOVERED);
-        format!("{case},{duration},{values}{},{l},{m},{s},{recovery}\n", reading.columns())
+        let [most, half, nine] = RECOVERED.map(|target| reading.recovery(pigments, target));
+        let columns = reading.columns();
+        format!("{case},{duration},{values}{columns},{l},{m},{s},{most},{half},{nine}\n")
     };
     readings.iter().zip(steady).map(row).collect()
 }
@@ -71,7 +75,8 @@ mod tests {
         assert!(row.starts_with(expected), "{row}");
         let names = header(&["a".into(), "b".into()]);
         let columns = "case,duration_s,a,b,probe,I_L,I_M,I_S,p_L,p_M,p_S,X,Y,Z,x,y,pupil_mm,\
-                       lost_L,lost_M,lost_S,steady_p_L,steady_p_M,steady_p_S,recovery_95_s\n";
+                       lost_L,lost_M,lost_S,steady_p_L,steady_p_M,steady_p_S,recovery_95_s,\
+                       recovery_50_s,recovery_90_s\n";
         assert_eq!(names, columns);
         assert_eq!(names.split(',').count(), row.replace(", ", "; ").split(',').count());
     }

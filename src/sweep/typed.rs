@@ -12,7 +12,8 @@ use crate::error::{Error, Result};
 /// The file cannot be read, or a row has more or fewer cells than the header.
 pub fn rows(path: &Path) -> Result<Value> {
     let wrong = |problem: csv::Error| Error::file(path, problem.to_string());
-    let mut table = csv::Reader::from_path(path).map_err(wrong)?;
+    let table = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path);
+    let mut table = table.map_err(wrong)?;
     let names = table.headers().map_err(wrong)?.clone();
     let row = |row: csv::Result<csv::StringRecord>| {
         let row = row.map_err(wrong)?;
