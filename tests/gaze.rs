@@ -55,7 +55,7 @@ fn look_at(
     checked: &[[usize; 2]],
 ) -> sungaze::eye::Look {
     let survey = eye::survey(eye.vision(), planes, eye.pixels_per_degree()).into();
-    let stimulus = Stimulus { planes, survey: &survey, checked, spectra: None };
+    let stimulus = Stimulus { planes, survey: &survey, checked, spectra: None, uniform: None };
     eye.look_at(stimulus, gaze, Seconds(0.5))
 }
 

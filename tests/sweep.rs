@@ -43,11 +43,11 @@ fn table(toml: &str) -> Vec<HashMap<String, f64>> {
     let outcome = sweep::sweep(&config, &out, Existing::Refuse, Part::All, &Unwatched).unwrap();
     let text = std::fs::read_to_string(outcome.table.unwrap()).unwrap();
     let mut lines = text.lines();
-    let names: Vec<&str> = lines.next().unwrap().rsplitn(20, ',').take(19).collect();
+    let names: Vec<&str> = lines.next().unwrap().rsplitn(22, ',').take(21).collect();
     let numbers = |line: &str| {
         let last = names
             .iter()
-            .zip(line.rsplitn(20, ','))
+            .zip(line.rsplitn(22, ','))
             .map(|(name, v)| ((*name).to_owned(), v.parse().unwrap()));
         last.chain([("duration_s".to_owned(), line.split(',').nth(1).unwrap().parse().unwrap())])
             .collect()
@@ -162,7 +162,7 @@ fn one_process_an_array_of_jobs_and_any_number_of_threads_leave_the_same_files()
     }
     assert!(one.iter().zip(&many).all(|(a, b)| a.1 == b.1));
     let table = std::fs::read_to_string(folder.path().join("one/sweep.csv")).unwrap();
-    let head = "case,duration_s,observer.half_bleach_log_td,input.sun_elevation_deg,probe,I_L,I_M,I_S,p_L,p_M,p_S,X,Y,Z,x,y,pupil_mm,lost_L,lost_M,lost_S,steady_p_L,steady_p_M,steady_p_S,recovery_95_s\n\
+    let head = "case,duration_s,observer.half_bleach_log_td,input.sun_elevation_deg,probe,I_L,I_M,I_S,p_L,p_M,p_S,X,Y,Z,x,y,pupil_mm,lost_L,lost_M,lost_S,steady_p_L,steady_p_M,steady_p_S,recovery_95_s,recovery_50_s,recovery_90_s\n\
                 0,0,\"[4.3, 4.3, 5.0]\",0.5,gaze,";
     assert!(table.starts_with(head), "{table}");
     assert_eq!(table.lines().count(), 1 + 4 * 3);

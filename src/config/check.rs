@@ -63,13 +63,10 @@ fn input(s: &Settings) -> Check {
     if input.scene.is_some() && input.frames.is_some() {
         return Err(("input.frames".into(), "excludes input.scene: give one of the two".into()));
     }
-    if input.frames.is_some() {
-        if let Some((key, _)) = of_scenes(input).iter().find(|(_, given)| *given) {
-            return Err((
-                (*key).into(),
-                "belongs to a built-in scene; it has no meaning beside input.frames".into(),
-            ));
-        }
+    let beside = of_scenes(input).into_iter().find(|(_, given)| *given && input.frames.is_some());
+    if let Some((key, _)) = beside {
+        let problem = "belongs to a built-in scene; it has no meaning beside input.frames";
+        return Err((key.into(), problem.into()));
     }
     match input.scene {
         None => {}
