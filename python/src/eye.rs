@@ -13,6 +13,7 @@ use sungaze::display::{Screen, ToneMap};
 use sungaze::error::Result as Looked;
 use sungaze::eye::{self, Gaze, Light, State};
 use sungaze::frames::View;
+use sungaze::optics::Psf;
 use sungaze::spectrum::Bands;
 use sungaze::units::{Degrees, Nits, Seconds};
 
@@ -139,6 +140,10 @@ impl Eye {
             config,
         };
         fixed_gaze(&made.config)?;
+        if made.config.scatter().psf != Psf::None {
+            // What the eye scatters is worked out on the threads that all looks share.
+            awake()?;
+        }
         let watching = Mutex::new(made.eye().map_err(raised)?);
         Ok(Eye { made, watching })
     }

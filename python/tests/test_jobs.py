@@ -83,7 +83,8 @@ def child(code):
 
 FORK = """
 import os, sys, numpy as np, sungaze
-eye = sungaze.Eye(width=40, height=30, horizontal_fov_deg=9, white_cd_m2=100)
+keys = {{"optics": {{"psf": "cie" if {optics} else "none"}}}}
+eye = sungaze.Eye(keys, width=40, height=30, horizontal_fov_deg=9, white_cd_m2=100)
 frame = np.ones((30, 40, 3), np.float32)
 before = {used}
 if before: eye.look(frame, 1.0)
@@ -97,9 +98,10 @@ sys.exit(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
 
 
 def test_a_fork_after_use_is_refused_and_one_before_is_right():
-    after = child(FORK.format(used=True))
-    assert after.returncode == 7 and "spawn" in after.stdout, after
-    assert child(FORK.format(used=False)).returncode == 0
+    for used, optics in [(True, False), (False, True)]:
+        after = child(FORK.format(used=used, optics=optics))
+        assert after.returncode == 7 and "spawn" in after.stdout, after
+    assert child(FORK.format(used=False, optics=False)).returncode == 0
 
 
 def test_threads_are_set_before_the_first_look_and_change_no_bit():

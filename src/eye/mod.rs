@@ -68,7 +68,7 @@ impl Light {
     /// The primaries span no gamut.
     pub fn received_by(&self, observer: Observer) -> Result<Vision> {
         match self {
-            Light::Bands(bands) => Ok(Vision::of_held_bands(observer, bands)),
+            Light::Bands(bands) => Ok(Vision::of_bands(observer, bands)),
             Light::Rgb { primaries, white } => Vision::of_rgb(observer, primaries, *white)
                 .ok_or_else(|| Error::light("the primaries span no gamut")),
         }
@@ -172,6 +172,8 @@ pub struct Eye {
     /// A percept to be written over, and the last frame that came as an array.
     spare: Option<Planes>,
     frame: Option<Planes>,
+    /// Its bands, before they were projected.
+    bands: Option<Planes>,
 }
 
 /// An eye to be: its light and size are given, all else is the standard observer's.
@@ -277,6 +279,7 @@ impl Eye {
             uniform: None,
             spare: None,
             frame: None,
+            bands: None,
         })
     }
 
@@ -296,7 +299,9 @@ impl Eye {
             return Err(Error::light("the gaze or the duration is not a finite number"));
         }
         let [width, height] = self.size;
-        let expected = (height, width, self.vision.plane_count());
+        let projection = self.vision.projection();
+        let count = projection.map_or(self.vision.plane_count(), |projection| projection.bands);
+        let expected = (height, width, count);
         if frame.dim() != expected {
             let problem = format!(
                 "a frame has the shape {:?}; accepted: (height, width, planes) = {expected:?}",
@@ -304,12 +309,21 @@ impl Eye {
             );
             return Err(Error::light(problem));
         }
-        let planes = Planes::of_frame(frame, self.frame.take());
-        if let Some([x, y, i]) = planes.first_not_finite() {
-            self.frame = Some(planes);
+        let room = if projection.is_some() { &mut self.bands } else { &mut self.frame };
+        let given = Planes::of_frame(frame, room.take());
+        if let Some([x, y, i]) = given.first_not_finite() {
+            *room = Some(given);
             let problem = format!("plane {i} is not finite at column {x}, row {y}");
             return Err(Error::light(problem));
         }
+        let planes = match projection {
+            None => given,
+            Some(projection) => {
+                let moments = projection.of_frame(&given, self.frame.take());
+                self.bands = Some(given);
+                moments
+            }
+        };
         let survey = Arc::new(survey(&self.vision, &planes, self.pixels_per_degree));
         let stimulus = Stimulus {
             planes: &planes,

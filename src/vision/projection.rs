@@ -3,8 +3,10 @@
 
 use std::sync::{Arc, Mutex};
 
+use rayon::prelude::*;
+
 use crate::kernel::BandSums;
-use crate::light::PlaneTile;
+use crate::light::{PlaneTile, Planes, Samples};
 
 /// A linear map from the bands of a spectral frame to the planes that are kept of it.
 ///
@@ -68,6 +70,26 @@ impl Projection {
     pub fn project(&self, bands: &[f32], out: &mut [f32]) {
         let width = bands.len() / self.bands;
         self.sums.project(PlaneTile::whole(bands, width), out);
+    }
+
+    /// Projects a frame of bands in memory, with the bits of one that is decoded. `old`: planes to be
+    /// written over.
+    pub fn of_frame(&self, frame: &Planes, old: Option<Planes>) -> Planes {
+        let (width, height) = (frame.width, frame.height);
+        let fits = |old: &Planes| {
+            (old.width, old.height, old.count) == (width, height, self.rows)
+                && matches!(old.samples, Samples::Float(_))
+        };
+        let mut planes =
+            old.filter(fits).unwrap_or_else(|| Planes::float(width, height, self.rows));
+        if let Samples::Float(samples) = &mut planes.samples {
+            let rows = samples.par_chunks_exact_mut(self.rows * width).enumerate();
+            let room = || vec![0.0; self.bands * width];
+            rows.for_each_init(room, |room, (y, out)| {
+                self.project(frame.row(y).as_f32(room), out);
+            });
+        }
+        planes
     }
 
     /// Columns of the places in row `y` whose spectra are to be remembered.
