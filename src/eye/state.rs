@@ -12,6 +12,7 @@ use crate::observer::Pupil;
 /// What an eye carries from look to look.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
+    size: [usize; 2],
     retina: Retina,
     pupil: Pupil,
     plan: Plan,
@@ -31,6 +32,7 @@ impl Eye {
     /// The state, to be given to [`Eye::restore`].
     pub fn state(&self) -> State {
         State {
+            size: self.size,
             retina: self.retina.clone(),
             pupil: self.pupil.clone(),
             plan: self.plan.clone(),
@@ -45,7 +47,7 @@ impl Eye {
     /// # Errors
     /// The state is of another size, plan or pupil, or holds fractions outside 0..1.
     pub fn restore(&mut self, state: State) -> Result<()> {
-        let State { retina, pupil, plan, check, first_gaze, surround } = state;
+        let State { size, retina, pupil, plan, check, first_gaze, surround } = state;
         let covers = (0..2).all(|i| {
             let first = -retina.origin()[i];
             first >= 0 && first as usize + self.size[i] <= retina.size()[i]
@@ -56,7 +58,7 @@ impl Eye {
                 Surround::Uniform(nits) => nits.0 >= 0.0,
             };
         let fits = check.as_ref().is_none_or(|check| check.is_sound(self.size));
-        if !(retina.is_sound() && covers && known && fits) {
+        if !(size == self.size && retina.is_sound() && covers && known && fits) {
             return Err(Error::light("the state is of an eye of another size, or damaged"));
         }
         if !self.plan.fits(&plan, retina.size()[1]) || !self.pupil.fits(&pupil) {
