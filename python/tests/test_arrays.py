@@ -174,6 +174,18 @@ def test_a_state_that_is_none_leaves_the_eye_as_it_was(eye, sun, state):
     assert np.array_equal(eye.unbleached, before)
 
 
+def test_trolands_are_those_of_the_retina_where_the_eye_scatters(sun):
+    keys = {"optics": {"psf": "cie"}, "numerics": {"model": "tracked"}}
+    eye = sungaze.Eye(keys, **PLAIN)
+    look = eye.look(sun, 0.001)
+    clear = sungaze.Eye(**PLAIN).look(sun, 0.001)
+    dark = clear.trolands[..., 0] < 0.01 * clear.trolands[..., 0].max()
+    assert (look.trolands[dark] > 1.5 * clear.trolands[dark]).any()
+    # So short a look bleaches in proportion to its trolands.
+    moved = (1 - eye.unbleached) / np.maximum(look.trolands, 1)
+    assert np.ptp(moved[..., 0]) < 0.05 * moved[..., 0].max()
+
+
 def test_a_state_of_another_size_is_refused(eye, sun):
     for width in (20, 500):
         other = sungaze.Eye(**{**PLAIN, "width": width})

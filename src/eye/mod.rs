@@ -352,7 +352,7 @@ impl Eye {
     pub fn trolands(&self) -> Option<Array3<f32>> {
         let (frame, operator) = (self.frame.as_ref()?, self.illuminance.as_ref()?);
         let mut td = Array3::zeros((frame.height, 3, frame.width));
-        stages::illuminate(frame, operator, td.as_slice_mut()?);
+        stages::illuminate(self.on_the_retina(frame), operator, td.as_slice_mut()?);
         Some(td.permuted_axes([0, 2, 1]))
     }
 
