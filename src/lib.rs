@@ -96,8 +96,9 @@
 //! equal energy reads 1.0007 of what CIE 1931 says, a 2900 K lamp .996, the low sun 1.013. *One
 //! colour space*: one matrix from catches to the percept, for light of every kind; RGB is re-mixed so
 //! that unbleached it is itself. *One cone troland*: an equal-energy light of 1 td gives 1 in every
-//! class ([`observer::Observer::cone_troland`]); multiplying a luminance by a fundamental, as the
-//! paper of 2005 writes it, would count V twice. The effect of the pupil's margin (Stiles-Crawford)
+//! class of a 32-year-old ([`observer::Observer::cone_troland`]), and as much less in an older eye
+//! as its lens keeps back ([`observer::Observer::aged`]); multiplying a luminance by a fundamental,
+//! as the paper of 2005 writes it, would count V twice. The effect of the pupil's margin (Stiles-Crawford)
 //! enters the trolands only, never the percept.
 
 pub mod chart;

@@ -38,7 +38,7 @@ fn a_constant_that_is_one_per_cent_off_fails() {
         "observer.optical_density = [0.3838, 0.3838, 0.303]".into(),
         "observer.km = 0.202".into(),
         "observer.mm_per_degree = 0.2929".into(),
-        "observer.age = 30.3".into(),
+        "observer.age = 32.32".into(),
         "observer.stiles_crawford_p = 0.0505".into(),
     ];
     for change in changes {

@@ -141,7 +141,7 @@ def test_out_without_leave_to_write_says_what_is_accepted(eye, sun):
 
 @pytest.mark.parametrize("keys, arguments, words", [
     ({"observer": {"aeg": 3}}, {}, "config: observer.aeg: .*unknown field"),
-    ({"observer": {"age": 300}}, {}, "config: observer.age: found 300; accepted: 5 to 120"),
+    ({"observer": {"age": 300}}, {}, "config: observer.age: found 300; accepted: 20 to 80"),
     ({"observer": {"age": "old"}}, {}, "config: observer.age: .*accepted|config: observer.age: inv"),
     ({"observer": {"age": object()}}, {}, "config: observer: age: found .*; accepted: numbers"),
     ({3: 4}, {}, "config: found the key 3"),

@@ -4,8 +4,10 @@ use std::collections::HashSet;
 
 use super::Wrong;
 use super::settings::{
-    Aim, Channels, DisplayFile, Input, PupilKey, Scene, Settings, Steep, SurroundKey, UnitKey,
+    Aim, Channels, DisplayFile, Input, ObserverKeys, PupilKey, Scene, SetKey, Settings, Steep,
+    SurroundKey, UnitKey,
 };
+use crate::observer::lens;
 
 type Check = Result<(), Wrong>;
 
@@ -235,7 +237,7 @@ fn observer(s: &Settings) -> Check {
         }
         (_, None) => {}
     }
-    within("observer.age", o.age, 5.0, 120.0)?;
+    age(o)?;
     within("observer.pigmentation", o.pigmentation, 0.0, 1.2)?;
     within("observer.pupil_delay_s", o.pupil_delay_s, 0.0, 60.0)?;
     within("observer.pupil_closing_s", o.pupil_closing_s, 0.0, 60.0)?;
@@ -248,6 +250,16 @@ fn observer(s: &Settings) -> Check {
     triple("observer.half_bleach_log_td", o.half_bleach_log_td, -3.0, 12.0)?;
     triple("observer.tau_s", o.tau_s, 1e-3, 1e6)?;
     o.optical_density.map_or(Ok(()), |d| triple("observer.optical_density", d, 1e-3, 0.5))
+}
+
+/// The lens of `cie2006` is known for fewer ages than pupil and scatter.
+fn age(o: &ObserverKeys) -> Check {
+    let (low, high) = lens::AGES;
+    if o.fundamentals == SetKey::Cie2006 && !(low..=high).contains(&o.age) {
+        let why = "the ages whose lens CIE 170-1 gives; fundamentals = \"smj1993\" knows no age";
+        return wrong("observer.age", short(o.age), &format!("{low} to {high}, {why}"));
+    }
+    within("observer.age", o.age, 5.0, 120.0)
 }
 
 fn probes(s: &Settings) -> Check {

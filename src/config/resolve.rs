@@ -34,6 +34,9 @@ impl Config {
         };
         let density = self.density();
         let mut observer = Observer::new(set, field, density, narrowing, self.directional());
+        if set == Set::Cie2006 {
+            observer = observer.aged(o.age);
+        }
         observer.pupil = self.pupil();
         observer.dynamics = Dynamics {
             delay: Seconds(o.pupil_delay_s),

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::frames::uniform;
 use crate::frames::{TransferKey, ViewProjection};
+use crate::observer::lens::TABULATED_AGE;
 use crate::observer::{Field, Set};
 use crate::optics::{Draw, Psf, Scatter};
 
@@ -365,7 +366,7 @@ impl Default for ObserverKeys {
             fundamentals: SetKey::Cie2006,
             pupil: PupilKey::WatsonYellott,
             pupil_mm: None,
-            age: 30.0,
+            age: TABULATED_AGE,
             pigmentation: Scatter::default().pigmentation,
             eyes: 2,
             pupil_delay_s: 0.0,

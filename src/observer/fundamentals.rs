@@ -98,6 +98,18 @@ impl Fundamentals {
         Fundamentals { unbleached, absorbance, density }
     }
 
+    /// The fundamentals behind a filter, with unit peaks again, and what each peak is of what it
+    /// was.
+    pub fn behind(mut self, filter: &Curve) -> (Self, [f64; 3]) {
+        let passed = [0, 1, 2].map(|k| {
+            let (whole, behind) = (&self.unbleached[k], self.unbleached[k].times(filter));
+            let passed = behind.peak() / whole.peak();
+            self.unbleached[k] = behind.scaled(1.0 / passed);
+            passed
+        });
+        (self, passed)
+    }
+
     /// Peak axial optical density of each class.
     pub fn density(&self) -> [f64; 3] {
         self.density

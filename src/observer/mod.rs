@@ -3,6 +3,7 @@
 
 pub mod directional;
 pub mod fundamentals;
+pub mod lens;
 pub mod photometry;
 pub mod pupil;
 
@@ -59,7 +60,7 @@ impl Observer {
             lms_to_xyz,
             narrowing,
             directional,
-            pupil: Rule::WatsonYellott { age: 30.0, eyes: 2 },
+            pupil: Rule::WatsonYellott { age: lens::TABULATED_AGE, eyes: 2 },
             dynamics: Dynamics::default(),
             fovea: Degrees(2.0),
             lumens_per_watt,
@@ -68,15 +69,42 @@ impl Observer {
     }
 
     /// The standard observer: CIE 2006, 2 degrees (what is stared at is foveal, and cd/m2 is a unit
-    /// of 2 degrees), 30 years, two eyes, Stiles-Crawford over the
-    /// pupil.
+    /// of 2 degrees), 32 years, two eyes, Stiles-Crawford over the pupil.
     pub fn standard() -> Self {
         let (set, field) = (Set::Cie2006, Field::TwoDegrees);
         let directional = Directional::new(Reading::Pupil, Steepness::Measured);
         Observer::new(set, field, set.optical_density(field), Narrowing::Depleted, directional)
     }
 
-    /// c_k: makes an equal-energy light of 1 td give 1 in every class.
+    /// The same person with the lens of an age, years ([`lens`]); from the tabulated observer.
+    ///
+    /// ```text
+    /// s_k(A) = s_k T / t_k     t_k = max s_k T     T = 10^(D(32) - D(A))
+    /// c_k(A) = t_k c_k         M_ik(A) = M_ik integral D65 s_k / integral D65 s_k(A)
+    /// ```
+    ///
+    /// Trolands are counted before the lens, so an older retina gets less of them: c_k. The eye is
+    /// used to its lens: D65 stays white, of the same luminance, so K is that of the tabulated
+    /// observer.
+    pub fn aged(self, age: f64) -> Self {
+        let whites = |f: &Fundamentals| {
+            let d65 = photometry::d65();
+            [0, 1, 2].map(|k| d65.times(f.unbleached(k)).integral())
+        };
+        let before = whites(&self.fundamentals);
+        let (fundamentals, passed) = self.fundamentals.behind(&lens::relative_transmittance(age));
+        let after = whites(&fundamentals);
+        Observer {
+            lms_to_xyz: self
+                .lms_to_xyz
+                .map(|row| std::array::from_fn(|k| row[k] * (before[k] / after[k]))),
+            cone_troland: std::array::from_fn(|k| self.cone_troland[k] * passed[k]),
+            fundamentals,
+            ..self
+        }
+    }
+
+    /// c_k: makes an equal-energy light of 1 td give 1 in every class of the tabulated observer.
     pub fn cone_troland(&self) -> [f64; 3] {
         self.cone_troland
     }
@@ -173,6 +201,66 @@ mod tests {
             for p in [1.0, 0.5, 1e-3] {
                 let own = eye.fundamentals.depleted(cone, p).peak() / eye.own_peak(cone, p);
                 assert!((own - 1.0).abs() < 1e-12);
+            }
+        }
+    }
+
+    /// An orange lamp: 2900 K.
+    fn lamp() -> Curve {
+        Curve::sampled(|nm| 1e15 / (nm.powi(5) * ((1.438_776_9e7 / (nm * 2900.0)).exp() - 1.0)))
+    }
+
+    #[test]
+    fn at_32_years_the_observer_is_the_tabulated_one_to_the_last_bit() {
+        assert_eq!(Observer::standard().aged(lens::TABULATED_AGE), Observer::standard());
+    }
+
+    #[test]
+    fn an_aged_retina_gets_what_the_tabulated_one_gets_behind_the_rest_of_the_lens() {
+        let (young, pupil) = (Observer::standard(), Millimetres(3.0));
+        for age in [20.0, 45.0, 60.0, 70.0, 80.0] {
+            let old = young.clone().aged(age);
+            for light in [lamp(), photometry::d65(), Curve::within(440.0, 450.0)] {
+                let behind = light.times(&lens::relative_transmittance(age));
+                let got = old.illuminance(&light, pupil, Millimetres(0.0));
+                let expected = young.illuminance(&behind, pupil, Millimetres(0.0));
+                for (got, expected) in got.into_iter().zip(expected) {
+                    assert!((got.0 / expected.0 - 1.0).abs() < 1e-12, "{age}: {got:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn at_every_age_d65_is_white_and_one_cd_per_m2_of_any_light_reads_one() {
+        let young = Observer::standard();
+        let white =
+            crate::colour::apply(&young.lms_to_xyz, young.catch(&photometry::d65(), [1.0; 3]));
+        for age in (20..=80).map(f64::from) {
+            let old = young.clone().aged(age);
+            assert!((0..3).all(|k| (old.fundamentals.unbleached(k).peak() - 1.0).abs() < 1e-12));
+            let xyz =
+                |light: &Curve| crate::colour::apply(&old.lms_to_xyz, old.catch(light, [1.0; 3]));
+            for (own, of_32) in xyz(&photometry::d65()).into_iter().zip(white) {
+                assert!((own / of_32 - 1.0).abs() < 1e-12, "{age}: {own} against {of_32}");
+            }
+            let unit = lamp().times(&old.luminous_efficiency()).integral() * old.lumens_per_watt;
+            assert!((xyz(&lamp().scaled(1.0 / unit))[1] - 1.0).abs() < 1e-12, "{age}");
+        }
+    }
+
+    #[test]
+    fn an_older_eye_catches_less_blue_beside_red_and_bleached_catches_stay_finite() {
+        let ages = (20..=80).step_by(4).map(f64::from);
+        let mut last = f64::MAX;
+        for old in ages.map(|age| Observer::standard().aged(age)) {
+            let [blue, red] = [(400.0, 450.0), (650.0, 700.0)].map(|(from, to)| {
+                old.illuminance(&Curve::within(from, to), Millimetres(3.0), Millimetres(0.0))
+            });
+            assert!(blue[0].0 / red[0].0 < last, "{blue:?} {red:?}");
+            last = blue[0].0 / red[0].0;
+            for p in [1.0, 0.5, 1e-6, 0.0] {
+                assert!(old.catch(&lamp(), [p; 3]).iter().all(|v| v.is_finite() && *v >= 0.0));
             }
         }
     }

@@ -5,7 +5,7 @@ const OPTICS = ["none", "cie", "cie-general", "stiles-holladay", "spencer", "ijs
 
 /** What can be set live. `again`: the eye lives its path again. `also`: keys that go back to their defaults with it. */
 const CONTROLS = [
-  { key: "observer.age", label: "Age", unit: "years", range: [5, 100, 1] },
+  { key: "observer.age", label: "Age", unit: "years", range: [20, 80, 1] },
   { key: "observer.pupil", label: "Pupil", choices: () => PUPILS },
   { key: "observer.pupil_mm", label: "Fixed pupil", unit: "mm", range: [1, 9, 0.1], only: ["observer.pupil", "fixed"], default: 3 },
   { key: "observer.constants", label: "Constants", choices: (given) => given.constants, also: ["observer.half_bleach_log_td", "observer.tau_s"] },

@@ -163,16 +163,16 @@ fn stiles_crawford(subject: &Subject) -> Result<Vec<Check>> {
 }
 
 /// 10 000 cd/m2 over 36 deg2 in the dark: F/846 = 425.5, f = 11.97; D = 7.75 - 5.75 f/(f + 2) =
-/// 2.821; then the age of 30.
+/// 2.821; then the age of 32.
 fn watson_yellott(eye: &Observer) -> Check {
     let light =
         Adapting { fovea: Nits(1e4), picture: Nits(1e4), area_deg2: 36.0, surround: Nits(0.0) };
     let d = eye.pupil.diameter(light).0;
     Check::new(
-        "unified pupil, mm, 1e4 cd/m2 over 36 deg2, age 30",
+        "unified pupil, mm, 1e4 cd/m2 over 36 deg2, age 32",
         "Watson & Yellott 2012",
         d,
-        2.81550829719,
+        2.80415466226,
         1e-9,
     )
 }
