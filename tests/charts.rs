@@ -83,6 +83,34 @@ fn the_pigment_chart_draws_the_constants_that_it_is_given() {
 }
 
 #[test]
+fn the_fundamentals_chart_draws_the_observer_that_it_is_given() {
+    let peak = |rows: &[Vec<String>], column: usize| {
+        let value = |row: &&Vec<String>| number(&row[column]);
+        let top = rows.iter().max_by(|a, b| value(a).total_cmp(&value(b))).expect("rows");
+        number(&top[0])
+    };
+    let standard = rows("fundamentals", &[], &["CIE 2006, 2°, 32 years", "SMJ 1993 (paper)"]);
+    assert_eq!(standard.len(), 441);
+    let old = rows("fundamentals", &["observer.age=70"], &["CIE 2006, 2°, 70 years"]);
+    let wide = rows("fundamentals", &["observer.field_deg=10"], &["CIE 2006, 10°, 32 years"]);
+    let paper = rows("fundamentals", &["observer.fundamentals=smj1993"], &["SMJ 1993, 10°"]);
+    // CIE 170-1:2006: peaks of the 2-degree and the 10-degree set.
+    assert_eq!([1, 2, 3].map(|k| peak(&standard, k)), [570.0, 543.0, 442.0]);
+    assert_eq!([1, 2, 3].map(|k| peak(&wide, k)), [569.0, 541.0, 448.0]);
+    assert_ne!(paper, wide);
+    // At 420 nm an older S cone is less sensitive beside its peak, which moves to longer waves.
+    assert!(peak(&old, 3) > peak(&standard, 3));
+    assert!(number(&old[30][3]) < 0.9 * number(&standard[30][3]));
+    // Half of the pigment: less than half is missing from a catch, as it screened itself.
+    for row in &old {
+        for k in 1..=3 {
+            let (whole, half) = (number(&row[k]), number(&row[k + 3]));
+            assert!(half <= 0.75 * whole && half >= 0.499_999 * whole, "{row:?}");
+        }
+    }
+}
+
+#[test]
 fn charts_take_the_keys_of_an_observer_and_no_others() {
     let refused = observer(&["numerics.method=rk4".to_owned()]).expect_err("no observer's key");
     assert!(refused.to_string().contains("keys of observer only"), "{refused}");

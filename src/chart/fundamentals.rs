@@ -1,13 +1,15 @@
-//! `fundamentals`: Figs. 1 to 3 of the paper, what is used here beside the paper's constants.
+//! `fundamentals`: Figs. 1 to 3 of the paper beside an observer, whose fundamentals are the table.
 
 use std::path::Path;
 
+use crate::config::Config;
+use crate::config::settings::SetKey;
 use crate::error::Result;
 use crate::observer::directional::eta;
 use crate::observer::{Field, Fundamentals, Reading, Set, Steepness};
 use crate::spectrum::Curve;
 
-use super::Progress;
+use super::{Progress, write_csv};
 use crate::plot::palette::{BLACK, BLUE, FAINT, GREEN, GREY, VERMILION};
 use crate::plot::{Anchor, Ink, Sheet};
 use crate::plot::{Axis, Panel};
@@ -18,8 +20,10 @@ const CONE_INKS: [Ink; 3] = [VERMILION, GREEN, BLUE];
 /// p of the paper's Fig. 1, mm^-2.
 const PAPERS_P: [(f64, Ink); 2] = [(0.06, VERMILION), (0.09, BLUE)];
 
-pub(super) fn write(out_dir: &Path, progress: Progress) -> Result<()> {
-    progress("fundamentals: the paper's Figs. 1 to 3");
+pub(super) fn write(out_dir: &Path, observer: &Config, progress: Progress) -> Result<()> {
+    let (eye, name) = (observer.observer().fundamentals, name(observer));
+    progress(&format!("fundamentals: the paper's Figs. 1 to 3 and {name}"));
+    table(out_dir, &eye)?;
     let mut sheet = Sheet::new(1000.0, 866.0);
     sheet.bold(
         (500.0, 28.0),
@@ -30,9 +34,29 @@ pub(super) fn write(out_dir: &Path, progress: Progress) -> Result<()> {
     );
     weight(&mut sheet);
     steepness(&mut sheet);
-    whole(&mut sheet);
-    bleached(&mut sheet);
+    whole(&mut sheet, &eye, &name);
+    bleached(&mut sheet, &eye);
     sheet.write(out_dir, "fundamentals")
+}
+
+/// Which fundamentals an observer has.
+fn name(observer: &Config) -> String {
+    let o = &observer.settings.observer;
+    match o.fundamentals {
+        SetKey::Cie2006 => format!("CIE 2006, {}°, {} years", o.field_deg, o.age),
+        SetKey::Smj1993 => "SMJ 1993, 10°".into(),
+    }
+}
+
+/// Every nm: sensitivities (energy, unit peak), whole and with half of the pigment gone.
+fn table(out_dir: &Path, eye: &Fundamentals) -> Result<()> {
+    let half = [0, 1, 2].map(|k| eye.depleted(k, 0.5));
+    let row = |nm: usize| {
+        let curves = (0..3).map(|k| eye.unbleached(k)).chain(&half);
+        curves.fold(nm.to_string(), |row, curve| format!("{row},{:.6e}", curve.at(nm)))
+    };
+    let header = "wavelength_nm,L,M,S,L_half,M_half,S_half";
+    write_csv(out_dir, "fundamentals", header, (Curve::FROM..=Curve::TO).map(row))
 }
 
 fn panel(left: f64, top: f64, x: Axis<'static>, y: Axis<'static>) -> Panel<'static> {
@@ -132,24 +156,25 @@ fn cones_panel(sheet: &mut Sheet, left: f64, words: &str) -> Panel<'static> {
     panel
 }
 
-/// Fig. 3, top: the paper's fundamentals and the standard ones.
-fn whole(sheet: &mut Sheet) {
+/// Fig. 3, top: the paper's fundamentals and the observer's.
+fn whole(sheet: &mut Sheet, eye: &Fundamentals, name: &str) {
     let panel = cones_panel(sheet, 72.0, "Fig. 3, top: unbleached cones");
+    let (set, field) = (Set::Smj1993, Field::TenDegrees);
+    let paper = Fundamentals::new(set, field, set.optical_density(field));
     for (k, ink) in CONE_INKS.into_iter().enumerate() {
-        let [smj, cie] = [Set::Smj1993, Set::Cie2006].map(|set| cones(set).unbleached(k).clone());
-        let peak = panel.at(smj.peak_and_width().0, 0.0).0;
+        let (own, smj) = (eye.unbleached(k), paper.unbleached(k));
+        let peak = panel.at(own.peak_and_width().0, 0.0).0;
         sheet.line((peak, panel.top), (peak, panel.bottom()), GREY, 1.0, "");
-        sheet.polyline(&visible(&panel, &smj, 1.0), ink, 2.4, "");
-        sheet.polyline(&visible(&panel, &cie, 1.0), BLACK, 1.4, "5 6");
+        sheet.polyline(&visible(&panel, own, 1.0), ink, 2.4, "");
+        sheet.polyline(&visible(&panel, smj, 1.0), BLACK, 1.4, "5 6");
     }
-    legend(sheet, (panel.left, panel.top - 10.0), GREY, 2.4, "", "SMJ 1993 (paper)");
-    legend(sheet, (panel.left + 182.0, panel.top - 10.0), BLACK, 1.4, "5 6", "CIE 2006 (default)");
+    legend(sheet, (panel.left, panel.top - 10.0), GREY, 2.4, "", name);
+    legend(sheet, (panel.left + 224.0, panel.top - 10.0), BLACK, 1.4, "5 6", "SMJ 1993 (paper)");
 }
 
-/// Fig. 3, bottom: half of the pigment gone, in both readings of "narrowing".
-fn bleached(sheet: &mut Sheet) {
-    let panel = cones_panel(sheet, 572.0, "Fig. 3, bottom: half of the pigment gone");
-    let eye = cones(Set::Smj1993);
+/// Fig. 3, bottom: half of the observer's pigment gone, in both readings of "narrowing".
+fn bleached(sheet: &mut Sheet, eye: &Fundamentals) {
+    let panel = cones_panel(sheet, 572.0, "Fig. 3, bottom: these cones, half bleached");
     for (k, ink) in CONE_INKS.into_iter().enumerate() {
         let half = eye.depleted(k, 0.5);
         let peak = panel.at(half.peak_and_width().0, 0.0).0;
@@ -161,8 +186,4 @@ fn bleached(sheet: &mut Sheet) {
     legend(sheet, (panel.left, panel.top - 10.0), GREY, 1.2, "2 4", "whole");
     legend(sheet, (panel.left + 88.0, panel.top - 10.0), GREY, 2.4, "", "narrowed (paper)");
     legend(sheet, (panel.left + 250.0, panel.top - 10.0), GREY, 1.8, "9 6", "depleted (default)");
-}
-
-fn cones(set: Set) -> Fundamentals {
-    Fundamentals::new(set, Field::TenDegrees, set.optical_density(Field::TenDegrees))
 }

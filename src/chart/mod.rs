@@ -38,20 +38,45 @@ pub enum Make {
     OfObserver(fn(&Path, &Config, Progress) -> Result<()>),
 }
 
-/// One chart: its name on the command line and what makes it.
+/// One chart: its name on the command line, what it shows, in one line, and what makes it.
 pub struct Chart {
     pub name: &'static str,
+    pub shows: &'static str,
     pub make: Make,
 }
 
 /// Every chart, in the order in which they are made.
 pub const CHARTS: &[Chart] = &[
-    Chart { name: "work-precision", make: Make::Fixed(work_precision::write) },
-    Chart { name: "stability", make: Make::Fixed(stability_map::write) },
-    Chart { name: "ladder", make: Make::Fixed(ladder::write) },
-    Chart { name: "pigment", make: Make::OfObserver(pigment::write) },
-    Chart { name: "fundamentals", make: Make::Fixed(fundamentals::write) },
-    Chart { name: "optics", make: Make::Fixed(optics::write) },
+    Chart {
+        name: "work-precision",
+        shows: "What each method costs and how far it errs",
+        make: Make::Fixed(work_precision::write),
+    },
+    Chart {
+        name: "stability",
+        shows: "Error of one step of each method, and where it fails",
+        make: Make::Fixed(stability_map::write),
+    },
+    Chart {
+        name: "ladder",
+        shows: "What modelling costs and errs, scene by scene, and what auto chose",
+        make: Make::Fixed(ladder::write),
+    },
+    Chart {
+        name: "pigment",
+        shows: "Bleaching and recovery of cones and rods; takes --set observer.KEY=VALUE",
+        make: Make::OfObserver(pigment::write),
+    },
+    Chart {
+        name: "fundamentals",
+        shows: "An observer's cone fundamentals beside the paper's; takes --set too",
+        make: Make::OfObserver(fundamentals::write),
+    },
+    Chart {
+        name: "optics",
+        shows: "Light that the eye scatters, and what computing it costs",
+        make: Make::Fixed(optics::write),
+    },
 ];
 
 impl Chart {

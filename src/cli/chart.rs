@@ -2,6 +2,7 @@
 
 use std::process::ExitCode;
 
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use serde_json::{Map, Value};
 
 use sungaze::chart::{self, CHARTS, Chart};
@@ -42,27 +43,29 @@ pub fn command(names: &[String], common: &Common) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// The charts of these names; without one all, or all that take an observer if one is set.
+/// The charts of these names, in the order of the table; without a name all, or all that take an
+/// observer if one is set.
 fn chosen(names: &[String], common: &Common) -> Result<Vec<&'static Chart>> {
     let takes = |chart: &&Chart| common.set.is_empty() || chart.takes_observer();
     if names.is_empty() {
         return Ok(CHARTS.iter().filter(takes).collect());
     }
-    let listed =
-        |charts: Vec<&Chart>| charts.iter().map(|chart| chart.name).collect::<Vec<_>>().join(", ");
-    let named = |name: &String| {
-        let chart = CHARTS.iter().find(|chart| chart.name == name).ok_or_else(|| {
-            let known = listed(CHARTS.iter().collect());
-            Error::config("the command line", "NAME", format!("found {name:?}; accepted: {known}"))
-        })?;
-        if !takes(&chart) {
+    let named = CHARTS.iter().filter(|chart| names.iter().any(|name| name == chart.name));
+    match named.clone().find(|chart| !takes(chart)) {
+        None => Ok(named.collect()),
+        Some(Chart { name, .. }) => {
+            let takers: Vec<_> = CHARTS.iter().filter(takes).map(|chart| chart.name).collect();
             let problem = format!(
                 "has no meaning for {name}, which shows the standard observer; charts that take one: {}",
-                listed(CHARTS.iter().filter(takes).collect())
+                takers.join(", ")
             );
-            return Err(Error::config("--set", &common.set[0], problem));
+            Err(Error::config("--set", &common.set[0], problem))
         }
-        Ok(chart)
-    };
-    names.iter().map(named).collect()
+    }
+}
+
+/// The names of charts, each with what it shows.
+pub fn names() -> PossibleValuesParser {
+    let value = |chart: &Chart| PossibleValue::new(chart.name).help(chart.shows);
+    PossibleValuesParser::new(CHARTS.iter().map(value))
 }

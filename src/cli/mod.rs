@@ -73,9 +73,13 @@ enum Command {
         #[command(flatten)]
         common: Common,
     },
-    /// Chart speed against accuracy, and where methods fail. Without NAME: every chart.
-    #[command(after_help = "Example:\n  sungaze chart work-precision stability --out out/chart")]
+    /// Chart methods, models and observers. Without NAME: every chart.
+    #[command(
+        after_help = "Examples:\n  sungaze chart work-precision stability --out out/chart\n  sungaze chart fundamentals --set observer.age=70"
+    )]
     Chart {
+        /// Charts; those of an observer take --set observer.KEY=VALUE.
+        #[arg(value_name = "NAME", value_parser = chart::names())]
         names: Vec<String>,
         #[command(flatten)]
         common: Common,

@@ -23,7 +23,8 @@ pub const AGES: (f64, f64) = (20.0, 80.0);
 /// D_1 every 5 nm from 390 to 455 nm: the table of CIE 170-1:2006 as Asano's observer model
 /// (Asano, Fairchild & Blonde 2016) and pysilsub (Martin et al. 2023) hold it. From 460 nm on D_1
 /// is the whole lens. Below 400 nm the table goes on in a straight line; the program of CIE TC 1-97
-/// takes less there (0.608 and 0.649 at 390 and 395 nm) and the same from 400 nm on.
+/// takes less there (0.608 and 0.649 at 390 and 395 nm) and the same from 400 nm on; its splines and
+/// these straight lines lie within 2.4 % of each other in the fundamentals up to 80 years.
 const AGEING: [f64; 14] = [
     0.809599, 0.735718, 0.661837, 0.587956, 0.530708, 0.468040, 0.427672, 0.393583, 0.372871,
     0.336814, 0.310032, 0.282708, 0.258499, 0.241650,
