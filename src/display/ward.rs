@@ -11,6 +11,9 @@
 //! takes away 2.5 % of T or less. Where little is left, or the world's range fits the display, one
 //! scale does.
 //!
+//! Counts are smoothed over a quarter of a decade or so before, which Ward does not: a halo of few
+//! cells would show the contours of single ones.
+//!
 //! Ward, Rushmeier & Piatko 1997, IEEE TVCG 3(4), 291-306. Bins and limits are those of Radiance's
 //! `pcond`.
 
@@ -27,6 +30,11 @@ const TOLERANCE: f64 = 0.025;
 /// Share of the display's range, in ln, that is given to the world's range evenly, whatever cells
 /// it holds: a small lamp is told from the white wall beside it.
 const EVEN: f64 = 0.05;
+
+/// Bins on either side that a pass of smoothing takes in, and how many passes. A halo holds few
+/// cells: counted as they are, they would draw contours into it.
+const REACH: usize = 3;
+const PASSES: usize = 3;
 
 /// The map of one frame.
 #[derive(Clone, Debug)]
@@ -56,6 +64,17 @@ struct Histogram {
 
 impl Adjustment {
     pub fn new(survey: &Survey, ceiling: Ceiling, black: Nits, white: Nits) -> Self {
+        Adjustment::smoothed(survey, ceiling, black, white, PASSES)
+    }
+
+    /// The same after so many passes of smoothing; Ward's own has none.
+    fn smoothed(
+        survey: &Survey,
+        ceiling: Ceiling,
+        black: Nits,
+        white: Nits,
+        passes: usize,
+    ) -> Self {
         let display = (black.0.ln(), white.0.ln());
         let adjustment = |shape| Adjustment { ceiling, display, shape };
         if survey.greatest <= 0.0 {
@@ -65,7 +84,7 @@ impl Adjustment {
         let trimmed = if fits {
             None
         } else {
-            adjustment(Shape::Histogram(Histogram::new(survey))).trimmed()
+            adjustment(Shape::Histogram(Histogram::new(survey, passes))).trimmed()
         };
         trimmed.unwrap_or_else(|| {
             let bright = fits && survey.greatest >= white.0 as f32;
@@ -128,7 +147,7 @@ impl Histogram {
     /// Counts the cells between the least and the greatest pixel. The range is lengthened downward
     /// by one bin, which gets half of what its neighbour holds, so that the darkest things are not
     /// black.
-    fn new(survey: &Survey) -> Self {
+    fn new(survey: &Survey, passes: usize) -> Self {
         let (least, top) = ln_range(survey);
         let bin = (top - least) / (BINS - 1) as f64;
         let bottom = least - bin;
@@ -137,6 +156,7 @@ impl Histogram {
             // A cell as dark as the least pixel belongs above the edge that it lies on.
             counts[(((ln - bottom) / bin + 1e-9) as usize).min(BINS - 1)] += 1.0;
         }
+        (0..passes).for_each(|_| counts = [&counts[..1], &smoothed(&counts[1..])].concat());
         counts[1] /= 2.0;
         counts[0] += counts[1];
         Histogram { bottom, bin, counts: Vec::new(), below: Vec::new() }.with(counts)
@@ -167,6 +187,26 @@ impl Histogram {
             self.below[i] + (self.below[i + 1] - self.below[i]) * (at - i as f64)
         }
     }
+}
+
+/// Counts spread evenly over their neighbours within [`REACH`]; none is lost at the ends.
+fn smoothed(counts: &[f64]) -> Vec<f64> {
+    let last = counts.len() as i64 - 1;
+    let mut spread = vec![0.0; counts.len()];
+    for (i, count) in counts.iter().enumerate() {
+        for offset in -(REACH as i64)..=REACH as i64 {
+            let at = i as i64 + offset;
+            let inside = if at < 0 {
+                -1 - at
+            } else if at > last {
+                2 * last + 1 - at
+            } else {
+                at
+            };
+            spread[inside as usize] += count / (2 * REACH + 1) as f64;
+        }
+    }
+    spread
 }
 
 /// ln of the one scale that puts the greatest pixel at white: for a world brighter than the display
@@ -260,11 +300,30 @@ mod tests {
         let table = pcond();
         assert_eq!(table.len(), BINS);
         for (ceiling, column) in [(Ceiling::Human, 1), (Ceiling::Linear, 2)] {
-            let map = Adjustment::new(&flat, ceiling, BLACK, WHITE);
-            for row in &table {
-                let display = map.ln_display(row[0].ln()).exp();
-                approx::assert_relative_eq!(display, row[column], max_relative = 0.03);
+            for (passes, near) in [(0, 0.03), (PASSES, 0.1)] {
+                let map = Adjustment::smoothed(&flat, ceiling, BLACK, WHITE, passes);
+                for row in &table {
+                    let display = map.ln_display(row[0].ln()).exp();
+                    approx::assert_relative_eq!(display, row[column], max_relative = near);
+                }
             }
+        }
+    }
+
+    /// The steps of a map along a halo around a lamp, relative to those beside them.
+    #[test]
+    fn a_halo_of_few_cells_has_no_contours() {
+        // A dark street, and a lamp whose veil falls with the square of the distance.
+        let veil = |r: f64| (0.05 + 400.0 / (r * r)) as f32;
+        let cells = (1..40).flat_map(|y| (1..25).map(move |x| f64::from(x * x + y * y).sqrt()));
+        let street = survey(cells.map(veil).collect(), 0.05, 1e6);
+        let map = Adjustment::new(&street, Ceiling::Human, BLACK, WHITE);
+        let along = |i: u32| map.ln_display(f64::from(veil(1.0 + 0.05 * f64::from(i))).ln());
+        let falls: Vec<f64> = (0..200).map(|i| along(i) - along(i + 1)).collect();
+        for beside in falls.windows(7) {
+            let (least, most) =
+                beside.iter().fold((f64::INFINITY, 0.0), |(a, b), &f| (f.min(a), f64::max(b, f)));
+            assert!(most <= 1.6 * least + 1e-3, "{beside:?}");
         }
     }
 
