@@ -209,6 +209,28 @@ fn a_field_in_cd_per_m2_is_seen_through_the_pupil_and_any_spectrum() {
 }
 
 #[test]
+fn an_older_lens_keeps_back_light_most_of_it_from_s_cones() {
+    let folder = tempfile::tempdir().unwrap();
+    let config = "[input]\nscene = \"field\"\nunit = \"cd_m2\"\nlevel = 3e3\n\
+                  [observer]\npupil = \"fixed\"\npupil_mm = 3\nstiles_crawford = \"off\"\n\
+                  [sweep]\ndurations_s = [100]\npictures = false\n\
+                  [[sweep.vary]]\nkey = \"observer.age\"\nvalues = [20, 32, 60, 80]\n";
+    std::fs::write(folder.path().join("c.toml"), config).unwrap();
+    done(folder.path(), "sweep", "c.toml");
+    let rows = table(&folder.path().join("o/sweep.csv"));
+    assert_eq!(rows.len(), 4);
+    let td = 3e3 * std::f64::consts::PI * 1.5 * 1.5;
+    for cone in ["I_L", "I_M", "I_S"] {
+        assert!((rows[1][cone] / td - 1.0).abs() < 1e-4, "{:?}", rows[1]);
+    }
+    for pair in rows.windows(2) {
+        let kept = |cone: &str| pair[1][&format!("I_{cone}")] / pair[0][&format!("I_{cone}")];
+        assert!(kept("S") < kept("M") && kept("M") < kept("L") && kept("L") < 1.0, "{pair:?}");
+        assert!(pair[1]["p_S"] > pair[0]["p_S"] && pair[1]["p_L"] > pair[0]["p_L"]);
+    }
+}
+
+#[test]
 fn a_schedule_is_cut_finer_without_moving_its_pigment() {
     let folder = tempfile::tempdir().unwrap();
     let scene = "[input]\nscene = \"field\"\nschedule = [[2, 1e6], [3, 0]]\nrepeat = 2\n";
@@ -241,6 +263,7 @@ fn keys_that_have_no_meaning_for_a_field_are_refused() {
         ("history = \"none.csv\"", "none.csv"),
         ("schedule = [[1, 1]]\n[time]\nduration_s = 2", "time.duration_s"),
         ("level = 1\n[observer]\npupil = \"fixed\"\npupil_mm = 3", "observer.pupil"),
+        ("level = 1\n[observer]\nage = 70", "observer.age"),
     ] {
         let message = refused(folder.path(), &format!("[input]\nscene = \"field\"\n{keys}\n"));
         assert!(message.contains(told), "{keys}: {message}");

@@ -32,7 +32,8 @@ impl Config {
         self.settings.input.scene == Some(Scene::Field)
     }
 
-    /// Whether light is given in trolands: no pupil and no Stiles-Crawford effect are in its way.
+    /// Whether light is given in trolands: no pupil, no Stiles-Crawford effect and no lens but
+    /// the tabulated observer's are in its way.
     pub(super) fn is_at_the_retina(&self) -> bool {
         self.has_field() && self.settings.input.unit != Some(UnitKey::CdM2)
     }
@@ -42,9 +43,9 @@ impl Config {
     ///
     /// # Errors
     /// Not one of level, schedule and history is given, a file cannot be read, or keys of the pupil
-    /// are given beside trolands.
+    /// or the age are given beside trolands.
     pub fn field(&self) -> Result<(UniformField, Vec<f64>)> {
-        self.no_pupil_beside_trolands()?;
+        self.nothing_before_the_retina()?;
         let Lights { strengths, edges } = self.lights()?;
         let input = &self.settings.input;
         let size = [input.width, input.height].map(|n| n.unwrap_or(16) as usize);
@@ -53,8 +54,9 @@ impl Config {
         Ok((field, edges))
     }
 
-    fn no_pupil_beside_trolands(&self) -> Result<()> {
+    fn nothing_before_the_retina(&self) -> Result<()> {
         let keys = [
+            "observer.age",
             "observer.pupil",
             "observer.pupil_mm",
             "observer.stiles_crawford",

@@ -34,7 +34,7 @@ impl Config {
         };
         let density = self.density();
         let mut observer = Observer::new(set, field, density, narrowing, self.directional());
-        if set == Set::Cie2006 {
+        if set == Set::Cie2006 && !self.is_at_the_retina() {
             observer = observer.aged(o.age);
         }
         observer.pupil = self.pupil();

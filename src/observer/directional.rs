@@ -42,7 +42,8 @@ pub enum Reading {
 pub enum Steepness {
     /// Berendschot et al. 2001.
     Measured,
-    /// The measured curve plus what a marginal ray is spared by the lens (after Mellerio 1971).
+    /// The measured curve plus what a marginal ray is spared by the lens (after Mellerio 1971), that
+    /// of the tabulated observer at every age.
     /// Counts the lens twice with fundamentals that are measured at the cornea.
     LensCorrected,
     /// The same at every wavelength, mm^-2.
