@@ -503,6 +503,80 @@ fn only_the_pictures_of_the_range_are_written_and_the_tables_have_all_rows() {
 }
 
 #[test]
+fn a_part_of_a_sequence_keeps_the_time_and_the_gaze_of_the_whole() {
+    let folder = folder();
+    for (number, red) in (1001..).zip([3.0, 9.0, 0.5, 40.0, 2.0]) {
+        let path = folder.path().join(format!("a.{number}.exr"));
+        picture(&path, 12, 6, [red, 7.0 - red / 8.0, 2.0]);
+    }
+    std::fs::write(folder.path().join("gaze.csv"), "time_s,x,y\n0,0.2,0.3\n5,0.9,0.6\n").unwrap();
+    let run = |out: &str, more: &[&str]| {
+        let of_all = ["run", "a.####.exr", "--fov", "8", "--fps", "1", "--quiet", "--out", out];
+        let keys = ["--set", "gaze.path=gaze.csv", "--set", "output.state=every"];
+        let output = sungaze(folder.path(), &[&of_all, &keys[..], more].concat());
+        assert_eq!(code(&output), 0, "{}", told(&output));
+    };
+    run("all", &[]);
+    run("some", &["--set", "output.range=1004-1005"]);
+    let read = |name: String| std::fs::read(folder.path().join(name)).ok();
+    let seen = |name: String| {
+        let footage = sungaze::frames::open(&[folder.path().join(name)], &Default::default());
+        footage.unwrap().read(0, None, None).unwrap().planes
+    };
+    for number in [1004, 1005] {
+        let name = format!("display.{number}.png");
+        assert_eq!(read(format!("some/{name}")), read(format!("all/{name}")));
+        for kind in ["seen", "state"] {
+            let name = format!("{kind}.{number}.exr");
+            assert!(read(format!("some/{name}")).is_some(), "{name}");
+        }
+        let name = format!("seen.{number}.exr");
+        assert_eq!(seen(format!("some/{name}")), seen(format!("all/{name}")));
+    }
+    assert!(read("some/display.1003.png".into()).is_none());
+    for table in ["trace.csv", "probes.csv"] {
+        assert_eq!(read(format!("some/{table}")), read(format!("all/{table}")));
+    }
+}
+
+#[test]
+fn marks_are_drawn_at_the_gaze_in_display_pictures_and_nowhere_else() {
+    let folder = folder();
+    let gaze = ["--set", "gaze.at=[0.25, 0.5]"];
+    assert_eq!(code(&run_small(folder.path(), &[&gaze[..], &["--out", "bare"]].concat())), 0);
+    let drawn = [&gaze[..], &["--set", "output.marks=true", "--out", "marked"]].concat();
+    assert_eq!(code(&run_small(folder.path(), &drawn)), 0);
+    let read = |name: String| std::fs::read(folder.path().join(name)).unwrap();
+    let png = |name: String| sungaze::frames::decode_png(&read(name)).unwrap();
+    let seen = |name: String| {
+        let footage = sungaze::frames::open(&[folder.path().join(name)], &Default::default());
+        footage.unwrap().read(0, None, None).unwrap().planes
+    };
+    for name in ["start", "0001", "0003"] {
+        let [bare, marked] = ["bare", "marked"].map(|out| seen(format!("{out}/seen.{name}.exr")));
+        assert_eq!(bare, marked);
+        let [bare, marked] = ["bare", "marked"].map(|out| png(format!("{out}/display.{name}.png")));
+        let (width, height) = (bare.0, bare.1);
+        assert_eq!((marked.0, marked.1), (width, height));
+        let changed =
+            (0..width * height).filter(|i| bare.2[3 * i..][..3] != marked.2[3 * i..][..3]);
+        let changed: Vec<[usize; 2]> = changed.map(|i| [i % width, i / width]).collect();
+        let [cross, clock]: [Vec<[usize; 2]>; 2] = [true, false].map(|above| {
+            changed.iter().copied().filter(|at| (at[1] + 14 < height) == above).collect()
+        });
+        let mean = |i: usize| cross.iter().map(|at| at[i] as f64).sum::<f64>() / cross.len() as f64;
+        let at = [0.25 * width as f64 - 0.5, 0.5 * height as f64 - 0.5];
+        // A black edge over black changes nothing: half a pixel.
+        assert!((0..2).all(|i| (mean(i) - at[i]).abs() < 0.5), "{} {} {at:?}", mean(0), mean(1));
+        assert!(cross.iter().all(|p| (0..2).all(|i| (p[i] as f64 - at[i]).abs() < 7.0)));
+        assert!(!clock.is_empty() && clock.iter().all(|at| at[0] < 50));
+    }
+    for table in ["trace.csv", "probes.csv"] {
+        assert_eq!(read(format!("bare/{table}")), read(format!("marked/{table}")));
+    }
+}
+
+#[test]
 fn the_start_is_the_light_itself_before_anything_has_bleached() {
     let folder = folder();
     picture(&folder.path().join("in.exr"), 8, 4, [3.0, 2.0, 70.0]);

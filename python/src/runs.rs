@@ -204,8 +204,7 @@ fn columns<'py>(py: Python<'py>, table: &Path) -> PyResult<Bound<'py, PyDict>> {
     let rows = reader.records().collect::<Result<Vec<_>, _>>().map_err(unreadable)?;
     let (dict, numpy) = (PyDict::new(py), py.import("numpy")?);
     for (i, name) in header.iter().enumerate() {
-        let words: Vec<&str> =
-            rows.iter().map(|row| row.get(i).unwrap_or_default().trim_matches('"')).collect();
+        let words: Vec<&str> = rows.iter().map(|row| row.get(i).unwrap_or_default()).collect();
         let numbers: Result<Vec<f64>, _> = words.iter().map(|word| word.parse()).collect();
         let column = match numbers {
             Ok(numbers) if name == "case" => {

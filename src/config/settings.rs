@@ -461,6 +461,8 @@ pub struct Output {
     #[serde(skip_serializing_if = "String::is_empty", deserialize_with = "word_or_number")]
     pub range: String,
     pub page: bool,
+    /// Whether display pictures show the gaze and the time.
+    pub marks: bool,
     /// Whether tables begin with the law and its constants, as a comment.
     pub law: bool,
     pub compression: String,
@@ -478,6 +480,7 @@ impl Default for Output {
             video: "none".into(),
             range: String::new(),
             page: true,
+            marks: false,
             law: false,
             compression: "auto".into(),
             checkpoint_s: 30.0,

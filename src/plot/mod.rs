@@ -9,6 +9,7 @@ pub mod family;
 pub mod font;
 pub mod gallery;
 mod lines;
+pub mod marks;
 pub mod moment;
 pub mod palette;
 pub mod raster;

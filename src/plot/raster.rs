@@ -25,6 +25,11 @@ impl Canvas {
         Canvas { width, height, rgb: vec![255; 3 * width * height], scale: scale as f32 }
     }
 
+    /// A picture of 8-bit sRGB, a unit to the pixel.
+    pub fn over(width: usize, height: usize, rgb: Vec<u8>) -> Self {
+        Canvas { width, height, rgb, scale: 1.0 }
+    }
+
     /// A sheet, so many pixels to the unit.
     pub fn of(sheet: &Sheet, scale: f64) -> Self {
         let [width, height] =

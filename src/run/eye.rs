@@ -15,6 +15,7 @@ use crate::eye::retina::Retina;
 use crate::eye::{self, Eye, Look, Stimulus};
 use crate::frames;
 use crate::light::{Planes, Samples};
+use crate::plot::marks::Marks;
 use crate::run::checkpoint::{self, Checkpoint};
 use crate::run::gaze::{Gaze, Moment};
 use crate::run::inputs::{Input, digest_of_steps};
@@ -34,6 +35,8 @@ pub(crate) struct Watching {
     range: Option<Vec<u32>>,
     pub probes: Vec<Probe>,
     pub display: Option<Display>,
+    /// Whether display pictures show the gaze and the time.
+    pub marks: bool,
     pub map: Option<Arc<ToneMap>>,
     pub counters: Counters,
     pub state: StateKey,
@@ -55,6 +58,7 @@ impl Watching {
             range: scene.range.clone(),
             probes: record::probes(config),
             display: shown.then(|| config.display()),
+            marks: config.settings.output.marks,
             map: None,
             counters: Counters { held_frames: scene.held.clone(), ..Counters::default() },
             state: config.settings.output.state,
@@ -172,6 +176,7 @@ impl Watching {
             trace: record::trace_row(&self.eye, planes, &look, step),
             probes: record::probe_rows(&readings, step),
             map: self.map.clone(),
+            marks: self.marks.then_some(Marks { gaze: look.gaze, time: step.end() }),
             state: self.state_file(step, size, last, pictured),
             seen: look.percept,
         };
@@ -207,6 +212,7 @@ impl Watching {
             trace: String::new(),
             probes: String::new(),
             map,
+            marks: self.marks.then_some(Marks { gaze: look.gaze, time: step.start }),
             state: None,
             seen: look.percept,
         })

@@ -11,6 +11,7 @@ use crate::display::{Display, ToneMap};
 use crate::error::{Error, Result};
 use crate::frames::{self, About, Compression, Footage, atomic};
 use crate::light::Planes;
+use crate::plot::marks::Marks;
 use crate::run::checkpoint::Checkpoint;
 use crate::run::report::Timing;
 use crate::run::watch::Watch;
@@ -36,10 +37,22 @@ pub struct Finished {
     pub file: usize,
     pub seen: Planes,
     pub map: Option<Arc<ToneMap>>,
+    /// Drawn into its display picture.
+    pub marks: Option<Marks>,
     /// Unbleached fractions to be written as `state.####.exr`, or `state.exr` for `None`.
     pub state: Option<(Option<u32>, Planes, f64)>,
     pub trace: String,
     pub probes: String,
+}
+
+impl Finished {
+    /// Its display picture with its marks.
+    fn marked(&self, rgb: Vec<u8>) -> Vec<u8> {
+        match self.marks {
+            Some(marks) => marks.draw(self.seen.width, self.seen.height, rgb),
+            None => rgb,
+        }
+    }
 }
 
 /// Where and how a run's files are written.
@@ -176,7 +189,7 @@ impl Writer<'_> {
     pub fn write(&self, frame: &Finished, spent: &mut Timing) -> Result<Vec<PathBuf>> {
         let begun = Instant::now();
         let map = frame.map.as_ref().filter(|_| frame.pictured);
-        let picture = map.map(|map| self.picture(&frame.seen, map));
+        let picture = map.map(|map| frame.marked(self.picture(&frame.seen, map)));
         spent.display_s += begun.elapsed().as_secs_f64();
         let begun = Instant::now();
         let (mut written, name) = (Vec::new(), &frame.name);

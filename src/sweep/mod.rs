@@ -28,7 +28,9 @@ use crate::config::settings::DisplayFile;
 use crate::config::{Case, Config, Sweep};
 use crate::display::ToneMap;
 use crate::error::{Error, Result};
+use crate::eye::Look;
 use crate::frames::atomic;
+use crate::plot::marks::Marks;
 use crate::run::report::Timing;
 use crate::run::writer::Finished;
 use crate::run::{self, Existing, Loaded, Scene, Watch};
@@ -249,7 +251,7 @@ impl Cells<'_> {
             pictures.extend(writer.picture(&small, map));
             steady = seen.steady;
             if self.sweep.pictures {
-                let cell = finished(case, cell, (span.file, seen.look.percept), map);
+                let cell = finished(case, cell, (span, seen.look), map);
                 writer.write(&cell, &mut Timing::default())?;
             }
             self.watch.frames(self.done.fetch_add(1, Ordering::Relaxed) + 1, cells);
@@ -272,19 +274,17 @@ impl Cells<'_> {
 }
 
 /// The pictures of a cell, numbered from 1 in the order of durations.
-fn finished(
-    case: &Case,
-    cell: usize,
-    (file, seen): (usize, crate::light::Planes),
-    map: &Arc<ToneMap>,
-) -> Finished {
-    let shown = case.config.settings.output.display == DisplayFile::Png;
+fn finished(case: &Case, cell: usize, (span, look): (&Span, Look), map: &Arc<ToneMap>) -> Finished {
+    let output = &case.config.settings.output;
+    let shown = output.display == DisplayFile::Png;
+    let marks = Marks { gaze: look.gaze, time: span.end };
     Finished {
         name: format!("{:04}", cell + 1),
         pictured: true,
-        file,
-        seen,
+        file: span.file,
+        seen: look.percept,
         map: shown.then(|| map.clone()),
+        marks: output.marks.then_some(marks),
         state: None,
         trace: String::new(),
         probes: String::new(),
