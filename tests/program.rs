@@ -540,6 +540,54 @@ fn a_part_of_a_sequence_keeps_the_time_and_the_gaze_of_the_whole() {
 }
 
 #[test]
+fn a_jump_of_gaze_at_the_start_of_a_frame_shows_in_that_frame_and_not_in_the_one_before() {
+    let folder = folder();
+    for number in 1048..=1051 {
+        picture(&folder.path().join(format!("a.{number}.exr")), 12, 6, [1.0, 1.0, 1.0]);
+    }
+    let by_time = "time_s,x,y\n0,0.25,0.5\n1.9999,0.25,0.5\n2,0.75,0.5\n";
+    let by_frame = "frame,x,y\n1049,0.25,0.5\n1050,0.75,0.5\n";
+    for (out, path) in [("time", by_time), ("frame", by_frame)] {
+        std::fs::write(folder.path().join("gaze.csv"), path).unwrap();
+        let of_all = ["run", "a.####.exr", "--fov", "8", "--fps", "1", "--quiet", "--out", out];
+        let output =
+            sungaze(folder.path(), &[&of_all[..], &["--set", "gaze.path=gaze.csv"]].concat());
+        assert_eq!(code(&output), 0, "{}", told(&output));
+        let trace = std::fs::read_to_string(folder.path().join(out).join("trace.csv")).unwrap();
+        let gaze = trace.lines().skip(1).map(|row| row.split(',').nth(3).unwrap().to_owned());
+        assert_eq!(gaze.collect::<Vec<_>>(), ["0.25", "0.25", "0.75", "0.75"], "by {out}");
+    }
+}
+
+#[test]
+fn a_scene_as_rgb_puts_the_trolands_of_its_spectra_on_the_retina() {
+    let folder = folder();
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/sunset_mitsuba.exr");
+    let places = "[{ name = \"sky\", at = [0.1, 0.1] }, { name = \"sun\", at = [0.5, 0.5] }, \
+                  { name = \"limb\", at = [0.5, 0.52] }, { name = \"sea\", at = [0.3, 0.9] }]";
+    let read = |frames: &str, more: &[&str], out: &str| -> Vec<Vec<f64>> {
+        let run =
+            ["run", frames, "--fov", "8", "--for", "1", "--fps", "1", "--quiet", "--out", out];
+        let probes = format!("output.probe={places}");
+        let keys = ["--set", "numerics.model=none", "--set", "optics.psf=none", "--set", &probes];
+        let output = sungaze(folder.path(), &[&run[..], &keys, more].concat());
+        assert_eq!(code(&output), 0, "{}", told(&output));
+        let table = std::fs::read_to_string(folder.path().join(out).join("probes.csv")).unwrap();
+        let rows = table.lines().skip(1).map(|row| row.split(',').skip(3));
+        rows.map(|row| row.map(|cell| cell.parse().unwrap()).collect()).collect()
+    };
+    let spectra = read(scene.to_str().unwrap(), &[], "spectra");
+    let rgb = read("spectra/seen.0001.exr", &["--white", "1"], "rgb");
+    assert_eq!((spectra.len(), rgb.len()), (4, 4));
+    for (spectral, rgb) in spectra.iter().zip(&rgb) {
+        let apart = |i: usize| (rgb[i] / spectral[i] - 1.0).abs();
+        // Only the Stiles-Crawford effect can tell the spectra apart.
+        assert!((0..3).all(|i| apart(i) < 2e-3), "trolands {rgb:?} {spectral:?}");
+        assert!((6..9).all(|i| apart(i) < 1e-6), "XYZ {rgb:?} {spectral:?}");
+    }
+}
+
+#[test]
 fn marks_are_drawn_at_the_gaze_in_display_pictures_and_nowhere_else() {
     let folder = folder();
     let gaze = ["--set", "gaze.at=[0.25, 0.5]"];

@@ -199,7 +199,8 @@ fn watched<T: Send>(
 /// The columns of a table.
 fn columns<'py>(py: Python<'py>, table: &Path) -> PyResult<Bound<'py, PyDict>> {
     let unreadable = |e: csv::Error| PyOSError::new_err(format!("{}: {e}", table.display()));
-    let mut reader = csv::Reader::from_path(table).map_err(unreadable)?;
+    let reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(table);
+    let mut reader = reader.map_err(unreadable)?;
     let header = reader.headers().map_err(unreadable)?.clone();
     let rows = reader.records().collect::<Result<Vec<_>, _>>().map_err(unreadable)?;
     let (dict, numpy) = (PyDict::new(py), py.import("numpy")?);

@@ -1,6 +1,7 @@
 """Runs, sweeps and files; processes; what is written about it all."""
 
 import doctest
+import json
 import os
 import signal
 import subprocess
@@ -56,6 +57,30 @@ def test_sweep_gives_typed_columns(tmp_path):
     assert table["case"].dtype == np.int64 and table["case"].tolist() == [0, 0, 1, 1]
     assert table["observer.kinetics"][2] == "rate-limited"
     assert table["p_L"].dtype == np.float64 and (table["p_L"][::2] > table["p_L"][1::2]).all()
+
+
+def test_words_of_a_sweep_stand_plain_in_every_table(tmp_path):
+    table = sungaze.sweep({
+        "input": {"width": 32},
+        "output": {"law": True},
+        "sweep": {
+            "durations_s": [1],
+            "vary": [
+                {"key": "observer.kinetics", "values": ["first-order", "rate-limited"]},
+                {"key": "gaze.at", "values": ["brightest", [0.2, 0.3]]},
+            ],
+        },
+    }, out=tmp_path / "out")
+    names = ("observer.kinetics", "gaze.at")
+    rows = list(zip(*(table[name].tolist() for name in names)))
+    assert rows[:2] == [("first-order", "brightest"), ("first-order", "[0.2, 0.3]")]
+    typed = json.loads((tmp_path / "out" / "sweep.json").read_text())
+    assert [row["observer.kinetics"] for row in typed] == [row[0] for row in rows]
+    assert [row["gaze.at"] for row in typed][:2] == ["brightest", [0.2, 0.3]]
+    assert table["p_L"].tolist() == [row["p_L"] for row in typed]
+    lines = (tmp_path / "out" / "sweep.csv").read_text().splitlines()
+    assert lines[2].startswith("0,1,first-order,brightest,gaze,")
+    assert lines[3].startswith('1,1,first-order,"[0.2, 0.3]",gaze,')
 
 
 def test_a_sweep_without_a_table_is_refused():
