@@ -5,16 +5,19 @@ use std::f64::consts::PI;
 use crate::error::{Error, Result};
 use crate::eye::Stimulus;
 use crate::frames::builtin::FIELD_DEG;
+use crate::kinetics::Kinetics;
 use crate::light::{Planes, Samples};
 use crate::optics::{Optics, Psf, Scatter};
 use crate::run::Scene;
-use crate::units::Seconds;
+use crate::step::advance;
+use crate::units::{Seconds, Trolands};
 
 use super::{Check, Subject};
 
 pub(super) fn checks(subject: &Subject) -> Result<Vec<Check>> {
     let mut checks = functions();
     checks.extend(disc()?);
+    checks.extend(bleached_disc());
     checks.extend(pigment(subject)?);
     Ok(checks)
 }
@@ -59,7 +62,12 @@ fn functions() -> Vec<Check> {
 }
 
 fn hemisphere(scatter: &Scatter) -> f64 {
-    let (from, rings) = (1e-6f64, 20_000);
+    beyond(scatter, 1e-6)
+}
+
+/// Share of a point's light that is scattered by more than `from` degrees.
+fn beyond(scatter: &Scatter, from: f64) -> f64 {
+    let rings = 20_000;
     let step = (90.0 / from).ln() / f64::from(rings);
     let ring = |i: i32| {
         let t = from * (step * (f64::from(i) + 0.5)).exp();
@@ -104,6 +112,22 @@ fn disc() -> Result<Vec<Check>> {
     let name = "light of a picture after scatter over that before";
     checks.push(Check::new(name, "K is symmetric", after / before, 1.0, 1e-6));
     Ok(checks)
+}
+
+/// L pigment in the low sun's disc after a second through a pupil of 3 mm, by all of its light and
+/// by what scatter leaves there.
+fn bleached_disc() -> [Check; 2] {
+    // td: 6.7e5 cd/m2 of the sun half a degree up, as L cones see it.
+    let light = 5.581e6;
+    let kept = 1.0 - beyond(&person(Psf::Cie, 30.0, 0.5), RADIUS);
+    let pigment = Kinetics::standard()[0];
+    let p = |share: f64| advance(&pigment, 1.0, Trolands(share * light), Seconds(1.0), 1);
+    [(1.0, "its light", 0.0996), (kept, "its light that is not scattered out", 0.1447)].map(
+        |(share, words, expected)| {
+            let name = format!("unbleached L in the disc after 1 s of {words}");
+            Check::new(name, "small model of the veil", p(share), expected, 2e-3)
+        },
+    )
 }
 
 /// L pigment beside the low sun after 30 s through a pupil of 3 mm, with and without scatter. The
