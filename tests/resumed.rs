@@ -316,3 +316,53 @@ fn a_run_is_interrupted_while_ffmpeg_works_and_leaves_no_half_film() {
     assert_eq!(made.status.code(), Some(0), "{}", told(&made));
     assert!(stage.at("o/film.mp4").exists());
 }
+
+/// A checkpoint of another hand, whose digest is right: `change` is done to its content.
+fn forged(bytes: &[u8], change: impl FnOnce(&mut Vec<u8>)) -> Vec<u8> {
+    use sha2::{Digest, Sha256};
+    let mut content = bytes[..bytes.len() - 32].to_vec();
+    change(&mut content);
+    let digest = Sha256::digest(&content);
+    content.extend_from_slice(&digest);
+    content
+}
+
+#[test]
+fn a_forged_checkpoint_whose_digest_is_right_breaks_nothing() {
+    let stage = Stage::stopped();
+    let kept: Vec<(PathBuf, Vec<u8>)> = std::fs::read_dir(stage.at("o"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .map(|path| (path.clone(), std::fs::read(path).unwrap()))
+        .collect();
+    let checkpoint = stage.at("o/checkpoint.sungaze");
+    let bytes = std::fs::read(&checkpoint).unwrap();
+    let first = b"sungaze checkpoint\n".len();
+    let last = bytes.len() - 32;
+    let mut random = 0x9e37_79b9_7f4a_7c15_u64;
+    let mut draw = |below: usize| {
+        random ^= random << 13;
+        random ^= random >> 7;
+        random ^= random << 17;
+        (random % below as u64) as usize
+    };
+    for case in 0..160 {
+        // The head, where lengths and counts stand, is hit as often as the many fractions.
+        let within = if case % 2 == 0 { (last - first).min(1200) } else { last - first };
+        let (at, what, value) = (first + draw(within), draw(4), draw(256) as u8);
+        let forgery = forged(&bytes, |content| match what {
+            0 => content[at] = value,
+            1 => content[at..(at + 8).min(last)].fill(0xff),
+            2 => drop(content.remove(at)),
+            _ => content.insert(at, value),
+        });
+        std::fs::remove_dir_all(stage.at("o")).unwrap();
+        std::fs::create_dir(stage.at("o")).unwrap();
+        kept.iter().for_each(|(path, bytes)| std::fs::write(path, bytes).unwrap());
+        std::fs::write(&checkpoint, forgery).unwrap();
+        let output = stage.run(&["--resume"]);
+        let code = output.status.code();
+        let told = told(&output);
+        assert!(matches!(code, Some(0..=3)), "case {case}, byte {at}: {code:?} {told}");
+    }
+}
