@@ -41,7 +41,7 @@ fn command(folder: &Path, flags: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_sungaze"));
     let keys = ["input.width=24", "output.checkpoint_s=0", "time.fps=24", "time.duration_s=0.5"];
     command.args(["run", "--quiet", "--out", "o"]).args(flags);
-    keys.iter().for_each(|key| drop(command.args(["--set", key])));
+    command.args(keys.iter().flat_map(|key| ["--set", key]));
     command.current_dir(folder).stdout(Stdio::null()).stderr(Stdio::piped());
     command
 }

@@ -9,6 +9,8 @@
 //! not kept everywhere, the illuminance is that of the moments). With n places spread at random and
 //! none beyond a bound, fewer than 3/n of all are beyond it, with 95 % confidence.
 
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -276,6 +278,31 @@ fn percentile(mut errors: Vec<f64>) -> f64 {
     errors.get(errors.len() * 95 / 100).copied().unwrap_or(0.0)
 }
 
+/// Keeps the [`EXTREMES`] least of what is shown to it.
+fn keep<T: Ord>(least: &mut BinaryHeap<T>, value: T) {
+    if least.len() < EXTREMES {
+        least.push(value);
+    } else if let Some(mut last) = least.peek_mut()
+        && value < *last
+    {
+        *last = value;
+    }
+}
+
+/// Where the [`EXTREMES`] least and as many greatest of some values stand.
+fn extremes(values: impl Iterator<Item = f32>) -> Vec<usize> {
+    let (mut least, mut greatest) = (BinaryHeap::new(), BinaryHeap::new());
+    for (i, value) in values.enumerate() {
+        // As integers in the order of `f32::total_cmp`.
+        let bits = value.to_bits() as i32;
+        let ranked = (bits ^ (((bits >> 31) as u32) >> 1) as i32, i);
+        keep(&mut least, ranked);
+        keep(&mut greatest, Reverse(ranked));
+    }
+    let least = least.into_iter().map(|(_, i)| i);
+    least.chain(greatest.into_iter().map(|Reverse((_, i))| i)).collect()
+}
+
 /// The places to check: one in each cell of a grid, and the extremes of a frame's luminance.
 pub fn places(vision: &Vision, planes: &Planes) -> Vec<[usize; 2]> {
     let [width, height] = [planes.width, planes.height];
@@ -289,17 +316,9 @@ pub fn places(vision: &Vision, planes: &Planes) -> Vec<[usize; 2]> {
         [along(0, width), along(1, height)]
     });
     let mut places: Vec<[usize; 2]> = jittered.collect();
-    let mut ranked: Vec<(f32, usize)> = (0..width * height)
-        .map(|i| (luminance(vision, planes, [i % width, i / width]), i))
-        .collect();
-    let order = |a: &(f32, usize), b: &(f32, usize)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
-    let many = EXTREMES.min(ranked.len());
-    if many < ranked.len() {
-        ranked.select_nth_unstable_by(many, order);
-        places.extend(ranked[..many].iter().map(|(_, i)| [i % width, i / width]));
-        let last = ranked.len() - many;
-        ranked.select_nth_unstable_by(last, order);
-        places.extend(ranked[last..].iter().map(|(_, i)| [i % width, i / width]));
+    let light = (0..width * height).map(|i| luminance(vision, planes, [i % width, i / width]));
+    if width * height > EXTREMES {
+        places.extend(extremes(light).into_iter().map(|i| [i % width, i / width]));
     }
     places.sort_by_key(|&[x, y]| [y, x]);
     places.dedup();
@@ -354,6 +373,20 @@ mod tests {
             pixels_per_degree: 1.0,
             duration,
         }
+    }
+
+    #[test]
+    fn extremes_are_those_of_a_sorted_list() {
+        let values: Vec<f32> =
+            (0..5000).map(|i| ((i * 7919) % 997) as f32 - 400.0).chain([-0.0, 0.0]).collect();
+        let mut ranked: Vec<usize> = (0..values.len()).collect();
+        ranked.sort_by(|&a, &b| values[a].total_cmp(&values[b]).then(a.cmp(&b)));
+        let mut expected: Vec<usize> =
+            [&ranked[..EXTREMES], &ranked[ranked.len() - EXTREMES..]].concat();
+        let mut found = extremes(values.iter().copied());
+        expected.sort_unstable();
+        found.sort_unstable();
+        assert_eq!(found, expected);
     }
 
     #[test]
