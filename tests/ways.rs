@@ -96,7 +96,7 @@ fn act(folder: &Path, act: &Act) -> Option<&'static str> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn whatever_is_done_to_a_folder_a_run_is_right_or_refuses(acts in acts()) {

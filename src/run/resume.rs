@@ -131,7 +131,20 @@ impl Past<'_> {
             };
             return Err(self.refused(problem));
         };
-        self.outputs(done)
+        self.outputs(done, &[])
+    }
+
+    /// What a run leaves when it is complete.
+    fn last_files(&self) -> Vec<&'static str> {
+        let output = &self.config.settings.output;
+        let made = [
+            (true, "trace.csv"),
+            (true, "probes.csv"),
+            (true, "probes.svg"),
+            (output.page, page::REPORT),
+            (output.state == StateKey::Last, "state.exr"),
+        ];
+        made.into_iter().filter(|made| made.0).map(|made| made.1).collect()
     }
 
     /// Drops what came after the checkpoint, and names what will come.
@@ -152,7 +165,7 @@ impl Past<'_> {
         let steps = &self.scene.steps;
         let news = self.newcomer(&read, steps);
         if news.is_none() {
-            self.outputs(steps)?;
+            self.outputs(steps, &self.last_files())?;
         }
         Ok(news)
     }
@@ -166,8 +179,8 @@ impl Past<'_> {
         several.then(|| inputs::newcomer(read, steps, &self.scene.held))?
     }
 
-    /// Refuses a folder that has lost pictures of frames that are done.
-    fn outputs(&self, done: &[Step]) -> Result<()> {
+    /// Refuses a folder that has lost pictures of frames that are done, or `others`.
+    fn outputs(&self, done: &[Step], others: &[&str]) -> Result<()> {
         let output = &self.config.settings.output;
         let kinds = [
             (output.seen == SeenKey::Exr, "seen", "exr"),
@@ -182,7 +195,14 @@ impl Past<'_> {
             let done = done.iter().filter(pictured);
             done.map(move |step| format!("{head}.{:04}.{tail}", step.number))
         });
-        match names.into_iter().find(|name| !self.folder.join(name).is_file()) {
+        let start = [
+            (output.seen == SeenKey::Exr, "seen.start.exr"),
+            (output.display == DisplayFile::Png, "display.start.png"),
+        ];
+        let is_pictured = done.first().is_some_and(|first| pictured(&first));
+        let start = start.into_iter().filter(|start| start.0 && is_pictured).map(|start| start.1);
+        let others = start.chain(others.iter().copied()).map(str::to_owned);
+        match names.chain(others).find(|name| !self.folder.join(name).is_file()) {
             None => Ok(()),
             Some(name) => Err(self.refused(format!("{name} has been removed since"))),
         }
