@@ -115,3 +115,14 @@ fn charts_take_the_keys_of_an_observer_and_no_others() {
     let refused = observer(&["numerics.method=rk4".to_owned()]).expect_err("no observer's key");
     assert!(refused.to_string().contains("keys of observer only"), "{refused}");
 }
+
+#[test]
+fn every_rung_of_the_ladder_keeps_the_bound_that_it_promises() {
+    let rows = rows("ladder", &[], &[]);
+    let promised: Vec<_> = rows.iter().filter(|row| !row[7].is_empty()).collect();
+    assert!(promised.len() > 15, "{} rungs promise a bound", promised.len());
+    for row in promised {
+        let [p, catch, bound] = [3, 4, 7].map(|column| number(&row[column]));
+        assert!(p <= bound && catch <= bound, "{} {}: {p} {catch} of {bound}", row[0], row[1]);
+    }
+}

@@ -14,12 +14,12 @@ use crate::display::Display;
 use crate::error::{Error, Result};
 use crate::eye::pigment::Model;
 use crate::eye::plan::{Plan, SUBSTEPS};
-use crate::eye::{Eye, Stimulus, survey};
+use crate::eye::{Eye, Stimulus, Surround, survey};
 use crate::kinetics::Kinetics;
 use crate::light::{Planes, Survey};
 use crate::spectrum::Curve;
 use crate::step;
-use crate::units::{Degrees, Millimetres, Seconds};
+use crate::units::{Degrees, Millimetres, Nits, Seconds};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
@@ -168,8 +168,11 @@ fn followed(planes: &Planes) -> Vec<[usize; 2]> {
 fn eye(scene: &Scene, model: Model, budget: Option<f64>) -> Result<Eye> {
     let Planes { width, height, .. } = scene.pictures[0];
     let across = Degrees(width as f64 / PIXELS_PER_DEGREE);
+    // What an eye would take from its first look; the truth asks for the pupil without looking.
+    let edge = surveys(scene)[0].edge;
     Eye::builder(scene.vision.clone(), [width, height], across)
         .pigments(pigments())
+        .surround(Surround::Uniform(Nits(edge)))
         .model(model, budget)
         .build()
 }
