@@ -57,13 +57,7 @@ fn look(size: [usize; 2], budget: Option<f64>) -> Box<dyn FnMut()> {
     let of_frame = survey(&vision, &planes, size[0] as f64 / ACROSS);
     Box::new(move || {
         let survey = Arc::new(of_frame.clone());
-        let stimulus = Stimulus {
-            planes: &planes,
-            survey: &survey,
-            checked: &[],
-            spectra: None,
-            uniform: None,
-        };
+        let stimulus = Stimulus::new(&planes, &survey);
         let look = eye.look_at(stimulus, [100.0, 100.0], Seconds(1.0 / 24.0));
         eye.recycle(look.percept);
     })

@@ -28,8 +28,7 @@ fn allocations(vision: Vision, mut planes: Planes, budget: Option<f64>) -> u64 {
             samples.iter_mut().for_each(|v| *v *= 1.1);
         }
         let survey = survey(eye.vision(), planes, PIXELS_PER_DEGREE).into();
-        let stimulus =
-            Stimulus { planes, survey: &survey, checked: &[], spectra: None, uniform: None };
+        let stimulus = Stimulus::new(planes, &survey);
         let counted = allocation_counter::measure(|| {
             let look = eye.look_at(stimulus, gaze, Seconds(0.02 + 0.01 * n as f64));
             eye.recycle(look.percept);

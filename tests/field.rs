@@ -86,6 +86,8 @@ fn the_flash_train_has_its_six_published_numbers() {
     done(folder.path(), "run", &shipped("flash_train.toml"));
     let rows = table(&folder.path().join("o/probes.csv"));
     assert_eq!(rows.len(), 39);
+    let report = std::fs::read_to_string(folder.path().join("o/report.json")).unwrap();
+    assert!(report.contains("\"16 of 16 tiles\""), "nothing was left out: {report}");
     let published = [
         (1, 0.336527066),
         (2, 0.528324619),

@@ -64,8 +64,7 @@ fn look(model: Model, draw: Draw, s: &Planes) -> Look {
     let scatter = Scatter { psf: Psf::Cie, ..Scatter::default() };
     let optics = Optics::new(&scatter, size, 0.05, 3, 1e-3).unwrap();
     let eye = Eye::builder(vision, size, across).model(model, None).optics(optics, draw);
-    let stimulus =
-        Stimulus { planes: s, survey: &of_s, checked: &[], spectra: None, uniform: None };
+    let stimulus = Stimulus::new(s, &of_s);
     eye.build().unwrap().look_at(stimulus, [350.0, 196.0], Seconds(1.0))
 }
 

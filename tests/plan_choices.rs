@@ -43,7 +43,7 @@ fn eye(planes: &Planes, budget: Option<f64>) -> Eye {
 
 fn look_for(eye: &mut Eye, planes: &Planes, gaze: [f64; 2], duration: Seconds) -> Look {
     let survey = survey(eye.vision(), planes, 10.0).into();
-    let stimulus = Stimulus { planes, survey: &survey, checked: &[], spectra: None, uniform: None };
+    let stimulus = Stimulus::new(planes, &survey);
     eye.look_at(stimulus, gaze, duration)
 }
 

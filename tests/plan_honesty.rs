@@ -82,8 +82,7 @@ fn error_and_bound(vision: &Vision, scene: &Scene) -> (f64, f64) {
     let mut worst: f64 = 0.0;
     for (planes, dt) in &scene.frames {
         let survey = survey(vision, planes, 10.0).into();
-        let stimulus =
-            Stimulus { planes, survey: &survey, checked: &[], spectra: None, uniform: None };
+        let stimulus = Stimulus::new(planes, &survey);
         let look = eye.look_at(stimulus, [20.0, 12.0], *dt);
         let weights = vision.illuminance_weights(look.pupil, Millimetres(0.0));
         for (i, p) in truth.iter_mut().enumerate() {

@@ -113,13 +113,7 @@ fn look(name: String, vision: Vision, planes: Planes, bytes: usize) -> Case {
     let mut eye = eye.unwrap_or_else(|e| panic!("{e}"));
     let gaze = [planes.width as f64 / 2.0, planes.height as f64 / 2.0];
     let work = move || {
-        let stimulus = Stimulus {
-            planes: &planes,
-            survey: &survey,
-            checked: &[],
-            spectra: None,
-            uniform: None,
-        };
+        let stimulus = Stimulus::new(&planes, &survey);
         let look = eye.look_at(stimulus, gaze, FRAME);
         eye.recycle(look.percept);
     };

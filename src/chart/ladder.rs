@@ -190,7 +190,7 @@ fn seen(scene: &Scene, model: Model, budget: Option<f64>) -> Result<(Seen, Plan)
     for &(picture, dt) in &scene.frames {
         let planes = &scene.pictures[picture];
         let survey = &surveys[picture];
-        let stimulus = Stimulus { planes, survey, checked: &[], spectra: None, uniform: None };
+        let stimulus = Stimulus::new(planes, survey);
         percept.take().into_iter().for_each(|spare| eye.recycle(spare));
         let begun = Instant::now();
         let look = eye.look_at(stimulus, gaze(planes), dt);

@@ -115,6 +115,13 @@ pub struct Stimulus<'a> {
     pub uniform: Option<&'a [f64]>,
 }
 
+impl<'a> Stimulus<'a> {
+    /// A frame as it is, with nothing to be checked.
+    pub fn new(planes: &'a Planes, survey: &'a Arc<Survey>) -> Self {
+        Stimulus { planes, survey, checked: &[], spectra: None, uniform: None }
+    }
+}
+
 /// What one look found.
 #[derive(Clone, Debug)]
 pub struct Look {
@@ -325,13 +332,7 @@ impl Eye {
             }
         };
         let survey = Arc::new(survey(&self.vision, &planes, self.pixels_per_degree));
-        let stimulus = Stimulus {
-            planes: &planes,
-            survey: &survey,
-            checked: &[],
-            spectra: None,
-            uniform: None,
-        };
+        let stimulus = Stimulus::new(&planes, &survey);
         let look = self.look_at(stimulus, gaze.pixel(self.size), duration);
         self.frame = Some(planes);
         Ok(look)

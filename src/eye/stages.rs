@@ -75,6 +75,9 @@ impl Eye {
             around: self.surround_illuminance(pupil).map(|td| td as f32),
         };
         let (percept, stats) = self.percept_of(&context, &operator);
+        if of_field.stepped {
+            self.plan.ledger.spend();
+        }
         let stats = stats.and(of_field);
 
         self.illuminance = Some(operator);

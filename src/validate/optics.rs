@@ -149,7 +149,7 @@ fn pigment(subject: &Subject) -> Result<Vec<Check>> {
         let gaze = [(planes.width - 1) as f64 / 2.0, (planes.height - 1) as f64 / 2.0];
         let mut eye = scene.eye(&config)?;
         let survey = &loaded.survey;
-        let stimulus = Stimulus { planes, survey, checked: &[], spectra: None, uniform: None };
+        let stimulus = Stimulus::new(planes, survey);
         let look = eye.look_at(stimulus, gaze, Seconds(30.0));
         for (degrees, expected) in expected {
             let x = (gaze[0] + degrees * planes.width as f64 / FIELD_DEG).round() as usize;

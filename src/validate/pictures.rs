@@ -134,7 +134,7 @@ impl Stare {
 
     fn look(&self, eye: &mut Eye, seconds: f64) -> Planes {
         let (planes, survey) = (&self.planes, &self.survey);
-        let stimulus = Stimulus { planes, survey, checked: &[], spectra: None, uniform: None };
+        let stimulus = Stimulus::new(planes, survey);
         eye.look_at(stimulus, self.gaze(), Seconds(seconds)).percept
     }
 

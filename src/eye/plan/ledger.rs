@@ -15,6 +15,11 @@ impl Ledger {
         Ledger { bounds, per_row, beyond }
     }
 
+    /// Every tile has been modelled.
+    pub fn spend(&mut self) {
+        self.bounds.fill(f64::INFINITY);
+    }
+
     /// The bound of all that no picture has covered.
     pub fn beyond(&self) -> f64 {
         self.beyond
