@@ -24,6 +24,34 @@ impl Primaries {
         white: [0.3127, 0.3290],
     };
 
+    /// ITU-R BT.601 of 525 lines: SMPTE 170M.
+    pub const BT601_525: Primaries =
+        primaries([0.630, 0.340], [0.310, 0.595], [0.155, 0.070], Primaries::REC709.white);
+
+    /// ITU-R BT.601 of 625 lines: EBU Tech 3213.
+    pub const BT601_625: Primaries =
+        primaries([0.64, 0.33], [0.29, 0.60], [0.15, 0.06], Primaries::REC709.white);
+
+    /// ITU-R BT.2020 and BT.2100.
+    pub const BT2020: Primaries =
+        primaries([0.708, 0.292], [0.170, 0.797], [0.131, 0.046], Primaries::REC709.white);
+
+    /// Display P3: SMPTE EG 432-1.
+    pub const P3_D65: Primaries =
+        primaries([0.680, 0.320], [0.265, 0.690], [0.150, 0.060], Primaries::REC709.white);
+
+    /// The cinema's P3: SMPTE RP 431-2.
+    pub const P3_DCI: Primaries =
+        primaries([0.680, 0.320], [0.265, 0.690], [0.150, 0.060], [0.314, 0.351]);
+
+    /// ACES AP1: S-2014-004.
+    pub const ACESCG: Primaries =
+        primaries([0.713, 0.293], [0.165, 0.830], [0.128, 0.044], [0.32168, 0.33767]);
+
+    /// ACES AP0: SMPTE ST 2065-1.
+    pub const ACES: Primaries =
+        primaries([0.7347, 0.2653], [0.0, 1.0], [0.0001, -0.0770], [0.32168, 0.33767]);
+
     /// CIE 1931 XYZ itself, as channels X, Y, Z hold it.
     pub const XYZ: Primaries =
         Primaries { red: [1.0, 0.0], green: [0.0, 1.0], blue: [0.0, 0.0], white: [1.0 / 3.0; 2] };
@@ -35,6 +63,10 @@ impl Primaries {
         let both = points(self).into_iter().flatten().zip(points(other).into_iter().flatten());
         both.into_iter().all(|(a, b)| (a - b).abs() < 1e-5)
     }
+}
+
+const fn primaries(red: [f64; 2], green: [f64; 2], blue: [f64; 2], white: [f64; 2]) -> Primaries {
+    Primaries { red, green, blue, white }
 }
 
 /// Matrix times vector.

@@ -4,7 +4,9 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use sungaze::frames::{Footage, Kind, ReadOptions, open};
+use sungaze::colour::Primaries;
+use sungaze::config::Config;
+use sungaze::frames::{Footage, Kind, ReadOptions, Transfer, open, write_png};
 
 fn has_ffmpeg() -> bool {
     let found = Command::new("ffmpeg").arg("-version").stdout(Stdio::null()).status().is_ok();
@@ -32,8 +34,11 @@ fn film(folder: &Path, name: &str, raw: &[u8], input: &[&str], output: &[&str]) 
 }
 
 fn opened(path: &Path, peak: Option<f64>) -> Box<dyn Footage> {
-    let options = ReadOptions { peak_cd_m2: peak, ..ReadOptions::default() };
-    open(&[path.to_owned()], &options).unwrap_or_else(|error| panic!("{error}"))
+    opened_as(path, &ReadOptions { peak_cd_m2: peak, ..ReadOptions::default() })
+}
+
+fn opened_as(path: &Path, options: &ReadOptions) -> Box<dyn Footage> {
+    open(&[path.to_owned()], options).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Grey frames of one 8-bit code each, 16 x 8 pixels.
@@ -183,6 +188,182 @@ fn frames_are_found_in_any_order_and_a_damaged_one_is_named() {
     let error = (0..12).find_map(|i| footage.read(i, None, None).err()).unwrap().to_string();
     let named = error.contains("a.mkv: is damaged or cut short at frame");
     assert!(named && error.contains("CRC mismatch"), "{error}");
+}
+
+/// One frame of random codes in one layout, as ffmpeg's raw video in Matroska.
+fn packed(folder: &Path, pix_fmt: &str, range: &str, raw: &[u8]) -> PathBuf {
+    let input = ["-pix_fmt", pix_fmt, "-s", "16x8", "-r", "10", "-color_range", range];
+    let output = ["-c:v", "rawvideo", "-allow_raw_vfw", "1"];
+    film(
+        folder,
+        "packed.mkv",
+        raw,
+        &input,
+        &[&output[..], &SDR[2..], &["-color_range", range]].concat(),
+    )
+}
+
+#[test]
+fn packed_layouts_hold_the_light_of_the_same_codes_in_planes_whatever_their_range() {
+    if !has_ffmpeg() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let code = |i: usize| (i * 7919 % 251) as u8;
+    let luma: Vec<u8> = (0..128).map(code).collect();
+    let (cb, cr): (Vec<u8>, Vec<u8>) = (0..32).map(|i| (code(i + 200), code(i + 300))).unzip();
+    let dealt =
+        |a: &[u8], b: &[u8]| a.iter().zip(b).flat_map(|(a, b)| [*a, *b]).collect::<Vec<_>>();
+    let planar = [&luma[..], &cb, &cr].concat();
+    for range in ["tv", "pc"] {
+        let light = |raw: &[u8], pix_fmt: &str| {
+            let path = packed(folder.path(), pix_fmt, range, raw);
+            opened(&path, Some(100.0)).read(0, None, None).unwrap().planes
+        };
+        let expected = light(&planar, "yuv420p");
+        assert_eq!(light(&[luma.clone(), dealt(&cb, &cr)].concat(), "nv12"), expected, "{range}");
+        assert_eq!(light(&[luma.clone(), dealt(&cr, &cb)].concat(), "nv21"), expected, "{range}");
+        // 4:2:2: as many samples of chroma as of luma.
+        let (cb, cr) = (&planar[..64], &luma[60..124]);
+        let expected = light(&[&luma, cb, cr].concat(), "yuv422p");
+        let chroma = dealt(cb, cr);
+        assert_eq!(light(&dealt(&luma, &chroma), "yuyv422"), expected, "{range}");
+        assert_eq!(light(&dealt(&chroma, &luma), "uyvy422"), expected, "{range}");
+    }
+}
+
+#[test]
+fn an_unread_layout_says_what_to_do() {
+    if !has_ffmpeg() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = packed(folder.path(), "rgb555le", "pc", &[0x55; 256]);
+    let error = open(&[path], &ReadOptions::default()).map(|_| ()).unwrap_err().to_string();
+    assert!(error.contains("in the layout `rgb555le`"), "{error}");
+    assert!(error.contains("ffmpeg -i FILM -c:v ffv1"), "{error}");
+}
+
+/// A film that tells nothing of itself, of one colour in limited BT.2020, PQ.
+fn untagged(folder: &Path, [y, cb, cr]: [u8; 3]) -> PathBuf {
+    let raw = [vec![y; 128], vec![cb; 32], vec![cr; 32]].concat();
+    film(folder, "untagged.mkv", &raw, &["-pix_fmt", "yuv420p", "-s", "16x8"], &[])
+}
+
+#[test]
+fn keys_stand_for_the_tags_that_a_film_lacks() {
+    if !has_ffmpeg() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let (y, cb, cr) = (120.0, 100.0, 170.0);
+    let path = untagged(folder.path(), [120, 100, 170]);
+    let error = open(std::slice::from_ref(&path), &ReadOptions::default()).map(|_| ()).unwrap_err();
+    assert!(error.to_string().contains("say input.transfer"), "{error}");
+    let light = |keys: &str| {
+        let text = format!("input.frames = \"f\"\ninput.transfer = \"linear\"\n{keys}");
+        let config = Config::parse(&text, "keys", "keys", Path::new(""), &[]).unwrap();
+        let footage = opened_as(&path, &config.read_options().unwrap());
+        let planes = footage.read(0, None, None).unwrap().planes;
+        let Kind::Rgb(primaries) = footage.header().kind else { panic!("not RGB") };
+        ([0, 1, 2].map(|plane| planes.at(5, 4, plane)), primaries, footage.header().notes.clone())
+    };
+    // BT.709-6, BT.2020-2 and BT.601-7: 2 (1 - Kr), 2 (1 - Kb), and what they leave of green.
+    let expected = |[kr, kb]: [f64; 2], full: bool| {
+        let y = if full { y / 255.0 } else { (y - 16.0) / 219.0 };
+        let span = if full { 255.0 } else { 224.0 };
+        let (cb, cr) = ((cb - 128.0) / span, (cr - 128.0) / span);
+        let (r, b) = (y + 2.0 * (1.0 - kr) * cr, y + 2.0 * (1.0 - kb) * cb);
+        [r, (y - kr * r - kb * b) / (1.0 - kr - kb), b]
+    };
+    let weights =
+        [("bt601", [0.299, 0.114]), ("bt709", [0.2126, 0.0722]), ("bt2020-ncl", [0.2627, 0.0593])];
+    for (name, weights) in weights {
+        for (range, full) in [("limited", false), ("full", true)] {
+            let keys = format!("input.matrix = \"{name}\"\ninput.code_range = \"{range}\"\n");
+            let (found, _, notes) = light(&keys);
+            let near = found.iter().zip(expected(weights, full)).all(|(a, b)| (a - b).abs() < 1e-5);
+            assert!(near, "{keys}{found:?}");
+            assert!(notes.iter().all(|note| !note.contains("matrix") && !note.contains("range")));
+        }
+    }
+    let (_, primaries, notes) = light("input.primaries = \"p3-d65\"");
+    assert_eq!(primaries, Primaries::P3_D65);
+    assert!(notes.iter().all(|note| !note.contains("primaries")), "{notes:?}");
+    let (_, primaries, notes) = light("");
+    assert_eq!(primaries, Primaries::REC709);
+    for assumed in ["matrix", "range", "primaries"] {
+        assert!(notes.iter().any(|note| note.contains(assumed)), "{notes:?}");
+    }
+}
+
+#[test]
+fn keys_go_before_tags_that_are_wrong() {
+    if !has_ffmpeg() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = film(folder.path(), "a.mkv", &greys(&[180]), &GREY, &SDR);
+    let value = |options: ReadOptions| {
+        let footage = opened_as(&path, &ReadOptions { peak_cd_m2: Some(100.0), ..options });
+        footage.read(0, None, None).unwrap().planes.at(3, 3, 1)
+    };
+    let silent = ReadOptions::default;
+    let near =
+        |found: f64, expected: f64| assert!((found - expected).abs() < 1e-5, "{found} {expected}");
+    near(value(silent()), (164.0f64 / 219.0).powf(2.4));
+    near(value(ReadOptions { full_range: Some(true), ..silent() }), (180.0f64 / 255.0).powf(2.4));
+    near(value(ReadOptions { transfer: Some(Transfer::Linear), ..silent() }), 164.0 / 219.0);
+    let options = ReadOptions { primaries: Some(Primaries::BT2020), ..silent() };
+    assert_eq!(opened_as(&path, &options).header().kind, Kind::Rgb(Primaries::BT2020));
+}
+
+/// Exit code and message of a run of `a.mkv` with these settings.
+fn refused(folder: &Path, frames: &str, sets: &[&str]) -> String {
+    let sets = sets.iter().flat_map(|set| ["--set", set]);
+    let output = program()
+        .args(["run", frames, "--fov", "20", "--overwrite", "--out", "o"])
+        .args(sets)
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    let message = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    message
+}
+
+#[test]
+fn a_white_that_the_curve_tells_itself_is_refused() {
+    if !has_ffmpeg() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    film(folder.path(), "a.mkv", &greys(&[90]), &GREY, &SDR);
+    let says = |sets: &[&str], words: &[&str]| {
+        let message = refused(folder.path(), "a.mkv", sets);
+        assert!(words.iter().all(|word| message.contains(word)), "{message}");
+    };
+    let (white, peak) = ("input.white_cd_m2=5000", "input.peak_cd_m2=400");
+    says(&["input.transfer=pq", white], &["input.white_cd_m2", "PQ", "leave it out"]);
+    says(&["input.transfer=pq", peak], &["input.peak_cd_m2", "PQ", "leave it out"]);
+    says(&["input.transfer=hlg"], &["input.peak_cd_m2", "--set input.peak_cd_m2=1000"]);
+    says(&["input.transfer=hlg", peak, white], &["input.white_cd_m2", "input.peak_cd_m2"]);
+    says(&["input.transfer=linear", peak, white], &["input.peak_cd_m2", "input.white_cd_m2"]);
+    says(&[peak, white], &["input.peak_cd_m2", "says the same as input.white_cd_m2"]);
+}
+
+#[test]
+fn keys_of_codes_are_refused_beside_linear_light_and_those_of_films_beside_stills() {
+    let folder = tempfile::tempdir().unwrap();
+    write_png(&folder.path().join("a.png"), 2, 1, &[255, 0, 188, 255, 255, 10]).unwrap();
+    let message = refused(folder.path(), "a.png", &["input.peak_cd_m2=100", "input.matrix=bt709"]);
+    assert!(message.contains("input.matrix") && message.contains("belongs to a film"), "{message}");
+    std::fs::write(folder.path().join("a.hdr"), b"#?RADIANCE\n\n-Y 1 +X 1\n\x80\x80\x80\x80")
+        .unwrap();
+    for set in ["input.peak_cd_m2=100", "input.transfer=pq"] {
+        let message = refused(folder.path(), "a.hdr", &[set, "input.white_cd_m2=100"]);
+        assert!(message.contains("belongs to frames made for a display"), "{message}");
+    }
 }
 
 fn program() -> Command {

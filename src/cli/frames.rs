@@ -6,7 +6,7 @@ use clap::Args;
 
 use sungaze::config::Config;
 use sungaze::error::{Error, Result};
-use sungaze::frames::{self, Kind};
+use sungaze::frames::{self, Kind, Transfer};
 
 /// What stands for keys of a configuration.
 #[derive(Args, Clone)]
@@ -71,7 +71,12 @@ impl Keys {
             whole += " --fov 40";
         }
         let rgb = matches!(header.kind, Kind::Rgb(_));
-        if !given("input.white_cd_m2") && rgb && header.white.is_none() {
+        if let (Some(Transfer::Hlg(_)), false) = (header.transfer, given("input.peak_cd_m2")) {
+            missing.push(
+                "input.peak_cd_m2, of the display that HLG is shown on: the reference is 1000",
+            );
+            whole += " --set input.peak_cd_m2=1000";
+        } else if !given("input.white_cd_m2") && rgb && header.white.is_none() {
             missing.push(
                 "--white CD_M2, the luminance of (1, 1, 1): 100 for a picture made for a display, \
                  72983 for Mitsuba's hdrfilm, 179 for Radiance",

@@ -1,12 +1,14 @@
 //! Settings -> the things they name.
 
+use crate::colour::Primaries;
 use crate::display::{Ceiling, Display, Tone};
 use crate::error::{Error, Result};
 use crate::eye::pigment::Model;
 use crate::eye::{Surround, plan};
 use crate::frames::builtin::Sunset;
 use crate::frames::{
-    self, ChannelNames, Compression, Negative, NonFinite, Quantity, ReadOptions, Sequence, Wanted,
+    self, ChannelNames, Compression, Matrix, Negative, NonFinite, Quantity, ReadOptions, Sequence,
+    Wanted,
 };
 use crate::kinetics::{Kinetics, Law};
 use crate::observer::{
@@ -159,11 +161,20 @@ impl Config {
             },
             max_pixels: input.max_pixels,
             own_white: input.white_cd_m2.is_none(),
-            transfer: input
-                .transfer
-                .transfer(input.peak_cd_m2)
-                .map_err(|problem| self.wrong("input.transfer", problem))?,
+            primaries: primaries(input.primaries),
+            transfer: input.transfer.transfer(input.peak_cd_m2),
             peak_cd_m2: input.peak_cd_m2,
+            matrix: match input.matrix {
+                MatrixKey::Auto => None,
+                MatrixKey::Bt601 => Some(Matrix::BT601),
+                MatrixKey::Bt709 => Some(Matrix::BT709),
+                MatrixKey::Bt2020Ncl => Some(Matrix::BT2020),
+            },
+            full_range: match input.code_range {
+                CodeRangeKey::Auto => None,
+                CodeRangeKey::Limited => Some(false),
+                CodeRangeKey::Full => Some(true),
+            },
         })
     }
 
@@ -272,5 +283,20 @@ impl Config {
     pub fn budget(&self) -> Option<f64> {
         let n = &self.settings.numerics;
         (n.model == ModelKey::Auto).then_some(n.budget)
+    }
+}
+
+/// The primaries of `input.primaries`; nothing for the file's own.
+fn primaries(key: PrimariesKey) -> Option<Primaries> {
+    match key {
+        PrimariesKey::Auto => None,
+        PrimariesKey::Bt709 => Some(Primaries::REC709),
+        PrimariesKey::Bt601Of525 => Some(Primaries::BT601_525),
+        PrimariesKey::Bt601Of625 => Some(Primaries::BT601_625),
+        PrimariesKey::Bt2020 => Some(Primaries::BT2020),
+        PrimariesKey::P3D65 => Some(Primaries::P3_D65),
+        PrimariesKey::P3Dci => Some(Primaries::P3_DCI),
+        PrimariesKey::Acescg => Some(Primaries::ACESCG),
+        PrimariesKey::Aces => Some(Primaries::ACES),
     }
 }

@@ -101,9 +101,12 @@ pub struct Input {
     /// The file's, or else angular.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub projection: Option<ViewProjection>,
+    pub primaries: PrimariesKey,
     pub transfer: TransferKey,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub peak_cd_m2: Option<f64>,
+    pub matrix: MatrixKey,
+    pub code_range: CodeRangeKey,
     pub missing: Missing,
     pub non_finite: NonFiniteKey,
     pub negative: NegativeKey,
@@ -136,8 +139,11 @@ impl Default for Input {
             bands_nm: None,
             horizontal_fov_deg: None,
             projection: None,
+            primaries: PrimariesKey::Auto,
             transfer: TransferKey::Auto,
             peak_cd_m2: None,
+            matrix: MatrixKey::Auto,
+            code_range: CodeRangeKey::Auto,
             missing: Missing::Error,
             non_finite: NonFiniteKey::Error,
             negative: NegativeKey::Keep,

@@ -28,6 +28,15 @@ words! {
     FileKind { Auto, Rgb, Spectral } default Auto
     /// `input.quantity`.
     QuantityKey { Density, BandIntegral } default Density
+    /// `input.primaries`: of RGB whose file does not say them, or says others.
+    PrimariesKey {
+        Auto, Bt709, #[serde(rename = "bt601-525")] Bt601Of525, #[serde(rename = "bt601-625")] Bt601Of625, Bt2020,
+        P3D65, P3Dci, Acescg, #[serde(rename = "aces2065-1")] Aces
+    } default Auto
+    /// `input.matrix`: of a film's YUV.
+    MatrixKey { Auto, Bt601, Bt709, Bt2020Ncl } default Auto
+    /// `input.code_range`: of a film's codes.
+    CodeRangeKey { Auto, Limited, Full } default Auto
     /// `input.missing`.
     Missing { Error, Hold } default Error
     /// `input.non_finite`.

@@ -40,15 +40,16 @@ pub(super) fn choose(offer: &Offer, options: &ReadOptions) -> Result<Choice, Str
         }
     }
     match colours(offer.names) {
-        Some(colours) if options.wanted != Wanted::Spectral => Ok(rgb(offer, colours)),
+        Some(colours) if options.wanted != Wanted::Spectral => Ok(rgb(offer, options, colours)),
         _ => Err(nothing_found(offer.names, options.wanted)),
     }
 }
 
-fn rgb(offer: &Offer, colours: Colours) -> Choice {
+fn rgb(offer: &Offer, options: &ReadOptions, colours: Colours) -> Choice {
     let mut notes = passed_over(offer.names, &colours.channels);
     notes.extend(colours.note);
-    let primaries = colours.primaries.or(offer.primaries).unwrap_or(Primaries::REC709);
+    let told = colours.primaries.or(options.primaries).or(offer.primaries);
+    let primaries = told.unwrap_or(Primaries::REC709);
     Choice {
         kind: Kind::Rgb(primaries),
         channels: colours.channels.to_vec(),

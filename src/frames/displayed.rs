@@ -66,9 +66,10 @@ impl Meaning {
             ));
         }
         notes.extend(self.notes.iter().cloned());
-        notes.extend(self.transfer.doubly_scaled(options.own_white));
         let white = self.transfer.white().or(options.peak_cd_m2.map(Nits));
-        Header { white, notes, ..Header::new(width, height, Kind::Rgb(self.primaries)) }
+        let transfer = Some(self.transfer);
+        let kind = Kind::Rgb(options.primaries.unwrap_or(self.primaries));
+        Header { white, transfer, notes, ..Header::new(width, height, kind) }
     }
 
     /// The light of the codes.

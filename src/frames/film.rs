@@ -58,16 +58,17 @@ impl Film {
         let Told { stream, times, complaints } = probe(path)?;
         let fail = |problem: String| Error::file(path, problem);
         believable(path, (stream.width, stream.height), 1, u64::MAX, options.max_pixels)?;
-        let (layout, mut notes) = Layout::of(&stream).map_err(fail)?;
+        let (layout, mut notes) = Layout::of(&stream, options).map_err(fail)?;
         let transfer = transfer(&stream, options).map_err(fail)?;
-        let primaries = primaries(&stream, &mut notes).map_err(fail)?;
+        let told = || primaries(&stream, &mut notes);
+        let primaries = options.primaries.map_or_else(told, Ok).map_err(fail)?;
         let turn = Turn::of_exif(stream.orientation());
         let (width, height) = turn.size(stream.width, stream.height);
         notes.insert(0, format!("a film, decoded by {transfer}: it shows a display, not a scene"));
         notes.extend(oddities(&stream));
-        notes.extend(transfer.doubly_scaled(options.own_white));
         let header = Header {
             white: transfer.white().or(options.peak_cd_m2.map(Nits)),
+            transfer: Some(transfer),
             frames_per_second: stream.rate(),
             notes,
             ..Header::new(width, height, Kind::Rgb(primaries))
@@ -169,7 +170,7 @@ fn primaries(stream: &Stream, notes: &mut Vec<String>) -> Result<crate::colour::
         Some(other) => {
             return Err(format!(
                 "has the primaries `{other}`; bt709, bt470bg, smpte170m, smpte240m, bt2020, \
-                 smpte431 and smpte432 are read"
+                 smpte431 and smpte432 are read. If that is wrong, say input.primaries"
             ));
         }
     };

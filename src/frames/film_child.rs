@@ -47,6 +47,8 @@ pub(super) struct Decoder {
     path: PathBuf,
     /// ffmpeg's name for the layout of the bytes.
     pix_fmt: String,
+    /// Whether that is not the stream's own.
+    repacked: bool,
     frames: usize,
     /// Complaints that the film gave rise to when it was probed: they do no harm.
     known: Vec<String>,
@@ -103,6 +105,7 @@ impl Decoder {
         Decoder {
             path: path.to_owned(),
             pix_fmt: layout.pix_fmt.clone(),
+            repacked: layout.repacked,
             frames,
             known,
             running: None,
@@ -145,6 +148,10 @@ impl Decoder {
         let heard = File::options().append(true).open(complaints.path()).map_err(fail())?;
         let mut command = command("ffmpeg", &self.path);
         command.args(["-map", "0:v:0", "-fps_mode", "passthrough", "-f", "rawvideo"]);
+        if self.repacked {
+            // Otherwise ffmpeg takes planes for codes of limited range, and converts full ones.
+            command.args(["-vf", "scale=in_range=limited:out_range=limited"]);
+        }
         command.args(["-pix_fmt", &self.pix_fmt, "-"]);
         let child = command.stdout(Stdio::piped()).stderr(heard).spawn();
         let mut child = child.map_err(|error| not_started(&self.path, error))?;

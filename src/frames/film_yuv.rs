@@ -6,12 +6,15 @@
 //! linearly between the places where its samples were taken (`chroma_location`; H.273, 8.7).
 
 use crate::frames::film_probe::Stream;
+use crate::frames::options::ReadOptions;
 
 /// How the bytes of a frame are laid out.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Layout {
-    /// The layout that ffmpeg is asked for: the stream's own, or its RGB in planes.
+    /// The layout that ffmpeg is asked for: the stream's own, or the same codes in planes.
     pub pix_fmt: String,
+    /// Whether that is another than the stream's own.
+    pub repacked: bool,
     pub width: usize,
     pub height: usize,
     bits: u32,
@@ -32,27 +35,27 @@ enum Planes {
     Yuv(usize, usize),
 }
 
+/// The weights of red and blue in luma, from which a matrix of YUV follows.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Matrix {
+pub struct Matrix {
     kr: f32,
     kb: f32,
 }
 
 impl Layout {
-    /// The layout of a stream. The problem, if there is one, is a message.
-    pub fn of(stream: &Stream) -> Result<(Layout, Vec<String>), String> {
-        let (planes, bits, pix_fmt) = planes(&stream.pix_fmt).ok_or_else(|| {
-            format!(
-                "has frames in the layout `{}`; read are planes of YUV (4:2:0, 4:2:2, 4:4:4), RGB \
-                 and grey, in 8 to 16 bits",
-                stream.pix_fmt
-            )
-        })?;
+    /// The layout of a stream, and what had to be assumed. The problem, if there is one, is a
+    /// message.
+    pub fn of(stream: &Stream, options: &ReadOptions) -> Result<(Layout, Vec<String>), String> {
+        let (planes, bits, pix_fmt) =
+            planes(&stream.pix_fmt).ok_or_else(|| unread(&stream.pix_fmt))?;
         let mut notes = Vec::new();
-        let subsampled = matches!(planes, Planes::Yuv(..));
-        let matrix = if subsampled { matrix(stream, &mut notes)? } else { Matrix::BT709 };
+        let matrix = match planes {
+            Planes::Yuv(..) => options.matrix.map_or_else(|| matrix(stream, &mut notes), Ok)?,
+            _ => Matrix::BT709,
+        };
         let by_name = stream.pix_fmt.starts_with("yuvj");
         let full = match stream.color_range.as_deref() {
+            _ if options.full_range.is_some() => options.full_range == Some(true),
             _ if planes == Planes::Gbr || by_name => true,
             Some("pc") => true,
             Some("tv") => false,
@@ -69,7 +72,10 @@ impl Layout {
             _ => [0.0, 0.5],
         };
         let (width, height) = (stream.width, stream.height);
-        Ok((Layout { pix_fmt, width, height, bits, planes, full, matrix, siting }, notes))
+        let repacked = pix_fmt != stream.pix_fmt;
+        let layout =
+            Layout { pix_fmt, repacked, width, height, bits, planes, full, matrix, siting };
+        Ok((layout, notes))
     }
 
     /// Bytes of a frame.
@@ -210,9 +216,10 @@ fn widened(row: &[f32], step: usize, siting: f32, out: &mut [f32]) {
 }
 
 impl Matrix {
-    const BT709: Matrix = Matrix { kr: 0.2126, kb: 0.0722 };
-    const BT601: Matrix = Matrix { kr: 0.299, kb: 0.114 };
-    const BT2020: Matrix = Matrix { kr: 0.2627, kb: 0.0593 };
+    pub const BT709: Matrix = Matrix { kr: 0.2126, kb: 0.0722 };
+    pub const BT601: Matrix = Matrix { kr: 0.299, kb: 0.114 };
+    /// Of non-constant luminance.
+    pub const BT2020: Matrix = Matrix { kr: 0.2627, kb: 0.0593 };
 
     /// Cr, Y', Cb to R', G', B' in place.
     fn apply(self, red: &mut [f32], green: &mut [f32], blue: &mut [f32]) {
@@ -245,30 +252,56 @@ fn matrix(stream: &Stream, notes: &mut Vec<String>) -> Result<Matrix, String> {
             Ok(matrix)
         }
         Some(other) => Err(format!(
-            "has the matrix `{other}`; bt709, bt2020nc, smpte170m and bt470bg are read"
+            "has the matrix `{other}`; bt709, bt2020nc, smpte170m and bt470bg are read. If that is \
+             wrong, say input.matrix"
         )),
     }
 }
 
+/// What to do about a layout that is not read.
+fn unread(pix_fmt: &str) -> String {
+    format!(
+        "has frames in the layout `{pix_fmt}`; read are YUV (4:2:0, 4:2:2, 4:4:4, 4:4:0, 4:1:1), RGB \
+         and grey of integer codes in 8 to 16 bits. Convert it: ffmpeg -i FILM -c:v ffv1 -pix_fmt \
+         gbrp16le FILM.mkv"
+    )
+}
+
+/// Layouts whose codes are not in planes, and planes of the same codes. (ffmpeg deals them out
+/// without arithmetic: tests/films.rs.)
+const PACKED: [(&[&str], &str); 12] = [
+    (&["rgb24", "bgr24", "rgb0", "bgr0", "0rgb", "0bgr"], "gbrp"),
+    (&["rgba", "bgra", "argb", "abgr", "pal8"], "gbrp"),
+    (&["rgb48", "bgr48", "rgba64", "bgra64"], "gbrp16le"),
+    (&["ya8"], "gray"),
+    (&["ya16"], "gray16le"),
+    (&["nv12", "nv21"], "yuv420p"),
+    (&["yuyv422", "uyvy422", "yvyu422", "nv16"], "yuv422p"),
+    (&["nv24", "nv42"], "yuv444p"),
+    (&["p010"], "yuv420p10le"),
+    (&["p210", "y210", "nv20"], "yuv422p10le"),
+    (&["p410"], "yuv444p10le"),
+    (&["p016"], "yuv420p16le"),
+];
+
 /// Planes and bits of one of ffmpeg's layouts, and the layout to ask for.
 fn planes(pix_fmt: &str) -> Option<(Planes, u32, String)> {
-    let own = pix_fmt.to_owned();
-    match pix_fmt {
-        "rgb24" | "bgr24" | "rgb0" | "bgr0" | "0rgb" | "0bgr" | "rgba" | "bgra" | "argb"
-        | "abgr" | "pal8" => return Some((Planes::Gbr, 8, "gbrp".into())),
-        "rgb48le" | "rgb48be" | "rgba64le" | "rgba64be" => {
-            return Some((Planes::Gbr, 16, "gbrp16le".into()));
-        }
-        _ => {}
-    }
-    let (name, bits) = match pix_fmt.strip_suffix("le") {
+    let plain = pix_fmt.strip_suffix("le").or(pix_fmt.strip_suffix("be")).unwrap_or(pix_fmt);
+    let packed = PACKED.iter().find(|(names, _)| names.contains(&plain));
+    let asked = match packed {
+        Some((_, planes)) => (*planes).to_owned(),
+        None if plain.len() < pix_fmt.len() => format!("{plain}le"),
+        None => pix_fmt.to_owned(),
+    };
+    let name = asked.strip_suffix("le");
+    let digits = |name: &str| name.bytes().rev().take_while(u8::is_ascii_digit).count().min(2);
+    let (name, bits) = match name {
         Some(name) => {
-            let digits = name.len() - name.bytes().rev().take_while(u8::is_ascii_digit).count();
-            let split = digits.max(name.len().saturating_sub(2));
-            let bits = name[split..].parse().ok().filter(|bits| (9..=16).contains(bits))?;
-            (&name[..split], bits)
+            // `gray9`, but `yuv444p12`: a depth has one digit or two.
+            let split = name.len() - digits(name);
+            (&name[..split], name[split..].parse().ok().filter(|bits| (9..=16).contains(bits))?)
         }
-        None => (pix_fmt, 8),
+        None => (asked.as_str(), 8),
     };
     let planes = match name {
         "gray" => Planes::Grey,
@@ -277,9 +310,11 @@ fn planes(pix_fmt: &str) -> Option<(Planes, u32, String)> {
         "yuv422p" | "yuvj422p" | "yuva422p" => Planes::Yuv(2, 1),
         "yuv444p" | "yuvj444p" | "yuva444p" => Planes::Yuv(1, 1),
         "yuv440p" | "yuvj440p" => Planes::Yuv(1, 2),
+        "yuv411p" | "yuvj411p" => Planes::Yuv(4, 1),
+        "yuv410p" => Planes::Yuv(4, 4),
         _ => return None,
     };
-    Some((planes, bits, own))
+    Some((planes, bits, asked))
 }
 
 #[cfg(test)]
@@ -312,13 +347,21 @@ mod tests {
         assert_eq!(planes("gray9le").unwrap().1, 9);
         assert_eq!(planes("yuva444p12le").unwrap().1, 12);
         assert_eq!(planes("rgb24").unwrap().2, "gbrp");
-        assert_eq!((planes("yuv420p10be"), planes("p010le"), planes("le")), (None, None, None));
+        assert_eq!(planes("p010le").unwrap(), (Planes::Yuv(2, 2), 10, "yuv420p10le".into()));
+        assert_eq!(planes("nv12").unwrap(), (Planes::Yuv(2, 2), 8, "yuv420p".into()));
+        assert_eq!(planes("yuv420p10be").unwrap(), planes("yuv420p10le").unwrap());
+        for unread in
+            ["le", "be", "", "xyz12le", "gbrpf32le", "bayer_rggb16le", "rgb565le", "vaapi"]
+        {
+            assert_eq!(planes(unread), None, "{unread}");
+        }
     }
 
     /// BT.2100-2, table 9: black and white are 64 and 940, chroma 512 +- 448 in 10 bits.
     #[test]
     fn published_codes_become_black_white_and_full_red() {
-        let (layout, notes) = Layout::of(&stream("yuv444p10le", 3, 1)).unwrap();
+        let (layout, notes) =
+            Layout::of(&stream("yuv444p10le", 3, 1), &ReadOptions::default()).unwrap();
         assert!(notes.is_empty(), "{notes:?}");
         // Red at full: Y' = Kr, Cr = .5, Cb = -Kr / (2 (1 - Kb)).
         let cb = -0.2627 / (2.0 * (1.0 - 0.0593));
@@ -345,7 +388,7 @@ mod tests {
                 color_range: Some("pc".into()),
                 ..stream("yuv420p", 8, 8)
             };
-            let (layout, _) = Layout::of(&told).unwrap();
+            let (layout, _) = Layout::of(&told, &ReadOptions::default()).unwrap();
             let mut frame = vec![0; layout.bytes()];
             for (i, code) in frame[64..80].iter_mut().enumerate() {
                 *code = (128 + 8 * (i % 4) + 4 * (i / 4)) as u8;

@@ -56,6 +56,7 @@ mod written;
 
 pub use exr_description::{Channel, ExrDescription};
 pub use exr_picture::read_exr;
+pub use film_yuv::Matrix;
 pub use inspect::{Inspection, LuminanceWeights};
 pub use options::{ChannelNames, Negative, NonFinite, Quantity, ReadOptions, Wanted};
 pub use picture::{Footage, Header, Kind, View, ViewProjection};

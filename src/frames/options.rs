@@ -1,5 +1,7 @@
 //! How files are to be read.
 
+use crate::colour::Primaries;
+use crate::frames::film_yuv::Matrix;
 use crate::frames::transfer::Transfer;
 
 /// What to do with samples that are NaN or infinite.
@@ -67,10 +69,16 @@ pub struct ReadOptions {
     /// RGB: whether the luminance of (1, 1, 1) is what each file tells (`whiteLuminance`), and not
     /// what a configuration tells.
     pub own_white: bool,
+    /// RGB: its primaries, where the file's own word is not taken.
+    pub primaries: Option<Primaries>,
     /// RGB that was made for a display: its curve, where the file's own word is not taken.
     pub transfer: Option<Transfer>,
     /// The peak of the display that such RGB is shown on, cd/m2.
     pub peak_cd_m2: Option<f64>,
+    /// A film's matrix of YUV, where its own word is not taken.
+    pub matrix: Option<Matrix>,
+    /// Whether a film's codes have full range, where its own word is not taken.
+    pub full_range: Option<bool>,
     pub non_finite: NonFinite,
     pub negative: Negative,
     /// Declared sizes above this are refused before anything is allocated.
@@ -86,8 +94,11 @@ impl Default for ReadOptions {
             quantity: Quantity::Density,
             channels: ChannelNames::Recognised,
             own_white: true,
+            primaries: None,
             transfer: None,
             peak_cd_m2: None,
+            matrix: None,
+            full_range: None,
             non_finite: NonFinite::Error,
             negative: Negative::Keep,
             max_pixels: 268_435_456,

@@ -11,6 +11,7 @@ use crate::frames::census::{Census, Mending, Sample, verdict};
 use crate::frames::exr_description::ExrDescription;
 use crate::frames::options::ReadOptions;
 use crate::frames::plate::Plate;
+use crate::frames::transfer::Transfer;
 use crate::light::{Frame, Planes, Samples};
 use crate::spectrum::Bands;
 use crate::units::Nits;
@@ -33,6 +34,8 @@ pub struct Header {
     pub kind: Kind,
     /// Luminance of (1, 1, 1), where the file tells (`whiteLuminance`).
     pub white: Option<Nits>,
+    /// The curve by which codes that were made for a display became light.
+    pub transfer: Option<Transfer>,
     /// Where the file tells (`framesPerSecond`).
     pub frames_per_second: Option<f64>,
     /// Where the file tells (Radiance's VIEW).
@@ -45,7 +48,8 @@ impl Header {
     /// A header that tells only size and kind.
     pub fn new(width: usize, height: usize, kind: Kind) -> Header {
         let notes = Vec::new();
-        Header { width, height, kind, white: None, frames_per_second: None, view: None, notes }
+        let (white, transfer, frames_per_second, view) = (None, None, None, None);
+        Header { width, height, kind, white, transfer, frames_per_second, view, notes }
     }
 }
 

@@ -85,7 +85,7 @@ impl RadiancePicture {
         }
         let (lines, _) = opened(path)?;
         believable(path, (lines.width, lines.height), 12, DENSEST, options.max_pixels)?;
-        let header = lines.header();
+        let header = lines.header(options.primaries);
         Ok(RadiancePicture { path: path.to_owned(), lines, header, options: options.clone() })
     }
 }
@@ -229,8 +229,12 @@ impl Lines {
         View { horizontal_fov_deg, projection }.possible()
     }
 
-    fn header(&self) -> Header {
-        let (primaries, note) = self.primaries();
+    /// `asked`: the configuration's primaries.
+    fn header(&self, asked: Option<Primaries>) -> Header {
+        let (primaries, note) = match asked.filter(|_| !self.is_xyz) {
+            Some(asked) => (asked, None),
+            None => self.primaries(),
+        };
         let mut notes: Vec<String> = note.into_iter().map(str::to_owned).collect();
         if self.aspect != 1.0 {
             let aspect = self.aspect;

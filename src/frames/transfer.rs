@@ -24,9 +24,12 @@ pub enum Transfer {
     /// Light is the signal to this power.
     Power(f64),
     Pq,
-    /// With the peak of the display, cd/m2.
-    Hlg(f64),
+    /// With the peak of the display, cd/m2; unknown: the mixing of the reference display.
+    Hlg(Option<f64>),
 }
+
+/// The peak of HLG's reference display, cd/m2 (BT.2100-2, note 5e).
+const REFERENCE_PEAK: f64 = 1000.0;
 
 impl Transfer {
     pub const BT1886: Transfer = Transfer::Power(2.4);
@@ -35,15 +38,9 @@ impl Transfer {
     pub fn white(self) -> Option<Nits> {
         match self {
             Transfer::Pq => Some(Nits(1.0)),
-            Transfer::Hlg(peak) => Some(Nits(peak)),
+            Transfer::Hlg(peak) => peak.map(Nits),
             _ => None,
         }
-    }
-
-    /// A note on a white that is given beside a curve that tells its own.
-    pub fn doubly_scaled(self, own_white: bool) -> Option<String> {
-        let doubly = self.white().is_some() && !own_white;
-        doubly.then(|| format!("{self} tells its own white, and white_cd_m2 goes before it"))
     }
 
     /// Light of one channel's signal; for HLG the light of the scene, before [`Transfer::shown`].
@@ -64,7 +61,7 @@ impl Transfer {
     pub fn shown(self, rgb: [f32; 3]) -> [f32; 3] {
         let Transfer::Hlg(peak) = self else { return rgb };
         let y = 0.2627 * rgb[0] + 0.6780 * rgb[1] + 0.0593 * rgb[2];
-        let gain = y.powf(system_gamma(peak) as f32 - 1.0);
+        let gain = y.powf(system_gamma(peak.unwrap_or(REFERENCE_PEAK)) as f32 - 1.0);
         rgb.map(|light| light * gain)
     }
 }
@@ -84,16 +81,16 @@ pub enum TransferKey {
 }
 
 impl TransferKey {
-    /// The curve, nothing for the file's own. The problem of HLG without a peak is a message.
-    pub fn transfer(self, peak: Option<f64>) -> Result<Option<Transfer>, String> {
-        Ok(match self {
+    /// The curve for a display of this peak, cd/m2; nothing for the file's own.
+    pub fn transfer(self, peak: Option<f64>) -> Option<Transfer> {
+        match self {
             TransferKey::Auto => None,
             TransferKey::Pq => Some(Transfer::Pq),
-            TransferKey::Hlg => Some(coded_transfer(18, peak)?),
+            TransferKey::Hlg => Some(Transfer::Hlg(peak)),
             TransferKey::Bt1886 => Some(Transfer::BT1886),
             TransferKey::Srgb => Some(Transfer::Srgb),
             TransferKey::Linear => Some(Transfer::Linear),
-        })
+        }
     }
 }
 
@@ -131,22 +128,21 @@ impl Display for Transfer {
             &Transfer::BT1886 => f.write_str("BT.1886 (the power 2.4)"),
             Transfer::Power(power) => write!(f, "the power {power:.3}"),
             Transfer::Pq => f.write_str("the PQ curve"),
-            Transfer::Hlg(peak) => write!(f, "the HLG curve for a peak of {peak} cd/m2"),
+            Transfer::Hlg(Some(peak)) => write!(f, "the HLG curve for a peak of {peak} cd/m2"),
+            Transfer::Hlg(None) => f.write_str("the HLG curve"),
         }
     }
 }
 
 /// The primaries of a code of ITU-T H.273, table 2. The problem, if there is one, is a message.
 pub(super) fn coded_primaries(code: u8) -> Result<Primaries, String> {
-    const D65: [f64; 2] = [0.3127, 0.3290];
-    let primaries = |red, green, blue, white| Ok(Primaries { red, green, blue, white });
     match code {
         1 => Ok(Primaries::REC709),
-        5 => primaries([0.64, 0.33], [0.29, 0.60], [0.15, 0.06], D65),
-        6 | 7 => primaries([0.630, 0.340], [0.310, 0.595], [0.155, 0.070], D65),
-        9 => primaries([0.708, 0.292], [0.170, 0.797], [0.131, 0.046], D65),
-        11 => primaries([0.680, 0.320], [0.265, 0.690], [0.150, 0.060], [0.314, 0.351]),
-        12 => primaries([0.680, 0.320], [0.265, 0.690], [0.150, 0.060], D65),
+        5 => Ok(Primaries::BT601_625),
+        6 | 7 => Ok(Primaries::BT601_525),
+        9 => Ok(Primaries::BT2020),
+        11 => Ok(Primaries::P3_DCI),
+        12 => Ok(Primaries::P3_D65),
         _ => Err(format!(
             "has primaries of the code {code} of H.273; read are 1, 5, 6, 7, 9, 11, 12"
         )),
@@ -163,11 +159,7 @@ pub(super) fn coded_transfer(code: u8, peak: Option<f64>) -> Result<Transfer, St
         8 => Ok(Transfer::Linear),
         13 => Ok(Transfer::Srgb),
         16 => Ok(Transfer::Pq),
-        18 => peak.map(Transfer::Hlg).ok_or_else(|| {
-            "is HLG, whose light depends on the display: peak_cd_m2 is required (1000 is the \
-             reference)"
-                .into()
-        }),
+        18 => Ok(Transfer::Hlg(peak)),
         _ => Err(format!(
             "has a transfer curve of the code {code} of H.273; read are 1, 4 to 6, 8, 13 to 16, 18"
         )),
@@ -233,11 +225,15 @@ mod tests {
     /// BT.2408-7: 75 % HLG is reference white, 203 cd/m2 on a display of 1000 cd/m2.
     #[test]
     fn hlg_has_its_reference_white_and_its_gamma_acts_on_luminance() {
-        near(shown(Transfer::Hlg(1000.0), [0.75; 3])[0], 203.0, 3e-3);
-        near(shown(Transfer::Hlg(1000.0), [1.0; 3])[0], 1000.0, 1e-5);
-        near(shown(Transfer::Hlg(4000.0), [1.0; 3])[0], 4000.0, 1e-5);
+        near(shown(Transfer::Hlg(Some(1000.0)), [0.75; 3])[0], 203.0, 3e-3);
+        near(shown(Transfer::Hlg(Some(1000.0)), [1.0; 3])[0], 1000.0, 1e-5);
+        near(shown(Transfer::Hlg(Some(4000.0)), [1.0; 3])[0], 4000.0, 1e-5);
         // E = 1, Y = .2627: red comes out at .2627^.2 of the peak, not at the peak.
-        near(shown(Transfer::Hlg(1000.0), [1.0, 0.0, 0.0])[0], 1000.0 * 0.2627f64.powf(0.2), 1e-5);
+        near(
+            shown(Transfer::Hlg(Some(1000.0)), [1.0, 0.0, 0.0])[0],
+            1000.0 * 0.2627f64.powf(0.2),
+            1e-5,
+        );
         near(hlg(0.5), 1.0 / 12.0, 1e-12);
         near(hlg(0.5 + 1e-9), 1.0 / 12.0, 1e-6);
     }

@@ -4,9 +4,10 @@ use crate::colour::Primaries;
 use std::path::PathBuf;
 
 use crate::config::Config;
+use crate::config::settings::Input;
 use crate::error::Result;
 use crate::eye::Eye;
-use crate::frames::{self, About, Footage, Kind, View, builtin};
+use crate::frames::{self, About, Footage, Header, Kind, Transfer, View, builtin};
 use crate::optics::Optics;
 use crate::run::eye::retina_of_file;
 use crate::run::reader::Sequence;
@@ -45,6 +46,7 @@ impl Scene {
             return Scene::of(config, footage, steps, Default::default(), view);
         };
         let footage = frames::open(&sequence.files, &config.read_options()?)?;
+        apply_to(config, &*footage)?;
         let sequence = sequence
             .of_film(footage.len())
             .map_err(|problem| config.wrong("input.range", problem))?;
@@ -77,7 +79,7 @@ impl Scene {
         let vision = match &header.kind {
             Kind::Spectral(bands) => Vision::of_bands(config.observer(), bands),
             Kind::Rgb(primaries) => {
-                white = Some(white_of(config, header.white)?);
+                white = Some(white_of(config, header)?);
                 let vision =
                     Vision::of_rgb(config.observer(), primaries, white.unwrap_or_default());
                 vision.ok_or_else(|| {
@@ -193,9 +195,51 @@ pub fn eye_for(config: &Config, vision: Vision, size: [usize; 2], across: Degree
     eye.build()
 }
 
+/// Refuses keys that mean nothing to frames of this kind.
+fn apply_to(config: &Config, footage: &dyn Footage) -> Result<()> {
+    let (coded, film) = (footage.header().transfer.is_some(), footage.times().is_some());
+    let (input, silent) = (&config.settings.input, Input::default());
+    let linear = "frames made for a display; these hold linear light, whose white is \
+                  input.white_cd_m2";
+    let still = "a film; these frames are none";
+    let keys = [
+        ("input.transfer", coded || input.transfer == silent.transfer, linear),
+        ("input.peak_cd_m2", coded || input.peak_cd_m2.is_none(), linear),
+        ("input.matrix", film || input.matrix == silent.matrix, still),
+        ("input.code_range", film || input.code_range == silent.code_range, still),
+    ];
+    match keys.iter().find(|(_, fits, _)| !fits) {
+        Some((key, _, what)) => Err(config.wrong(key, format!("belongs to {what}"))),
+        None => Ok(()),
+    }
+}
+
+/// Refuses a luminance of (1, 1, 1) that the frames' curve tells itself, or in other words.
+fn suits(config: &Config, transfer: Transfer) -> Result<()> {
+    let input = &config.settings.input;
+    let (white, peak) = ("input.white_cd_m2", "input.peak_cd_m2");
+    let wrong = |key: &str, problem: &str| Err(config.wrong(key, problem));
+    match (transfer, input.white_cd_m2, input.peak_cd_m2) {
+        (Transfer::Pq, Some(_), _) => wrong(white, "PQ tells its light in cd/m2: leave it out"),
+        (Transfer::Pq, _, Some(_)) => wrong(peak, "PQ tells its light in cd/m2: leave it out"),
+        (Transfer::Hlg(_), Some(_), _) => {
+            wrong(white, "the light of HLG is its display's: say input.peak_cd_m2 instead")
+        }
+        (Transfer::Hlg(None), ..) => {
+            wrong(peak, "is required for HLG, whose light is its display's; the reference is 1000")
+        }
+        (Transfer::Linear, _, Some(_)) => {
+            wrong(peak, "linear light has no display: say input.white_cd_m2 instead")
+        }
+        (_, Some(_), Some(_)) => wrong(peak, "says the same as input.white_cd_m2: give one"),
+        _ => Ok(()),
+    }
+}
+
 /// Luminance of (1, 1, 1): the configuration's, or else the file's. Never guessed.
-fn white_of(config: &Config, of_file: Option<Nits>) -> Result<Nits> {
-    config.settings.input.white_cd_m2.map(Nits).or(of_file).ok_or_else(|| {
+fn white_of(config: &Config, header: &Header) -> Result<Nits> {
+    header.transfer.map_or(Ok(()), |transfer| suits(config, transfer))?;
+    config.settings.input.white_cd_m2.map(Nits).or(header.white).ok_or_else(|| {
         let problem = "is required for RGB frames that do not say it: the luminance of (1, 1, 1) \
                        in cd/m2. Usual are 100 for a picture made for a display, 72983 for \
                        Mitsuba's hdrfilm, 179 for Radiance; for a film say peak_cd_m2, its display's";
