@@ -4,10 +4,10 @@
 //! Full model: f64, every band, the definition of catch and illuminance at every nanometre instead
 //! of levels, sub-steps that keep a run within 2.5e-5, nothing left out. 192 places are spread over
 //! the picture, one in each cell of a grid; 64 are the brightest and the darkest of the first
-//! frame. Places are of the retina: when the gaze has moved, each sees what lies between four
-//! pixels, and its pigment is still compared, but no catch (and of spectral frames, whose bands are
-//! not kept everywhere, the illuminance is that of the moments). With n places spread at random and
-//! none beyond a bound, fewer than 3/n of all are beyond it, with 95 % confidence.
+//! frame. Places are of the retina: when the gaze has moved, each is bleached by what lies between
+//! four pixels (of spectral frames, whose bands are not kept everywhere, by their moments), and its
+//! catch is of the light at its own pixel of the picture. With n places spread at random and none
+//! beyond a bound, fewer than 3/n of all are beyond it, with 95 % confidence.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -58,8 +58,8 @@ pub struct CheckFrame<'a> {
     pub gaze: [f64; 2],
     /// How far the gaze has moved from the first, in pixels.
     pub shift: [f64; 2],
-    /// Cone illuminance of the light around the picture, td.
-    pub around: [f64; 3],
+    /// Cone illuminance of a place around the picture, column and row, td.
+    pub around: &'a dyn Fn([i64; 2]) -> [f64; 3],
     pub pixels_per_degree: f64,
     pub duration: Seconds,
 }
@@ -88,7 +88,7 @@ impl Check {
         let central = frame.weights(0.0);
         let step = PigmentStep::new(*frame.pigments, Model::Unbleached, frame.duration);
         for (i, &at) in self.places.iter().enumerate() {
-            let light = if still { frame.light(i, at) } else { Vec::new() };
+            let light = frame.light(i, at);
             let td = if still {
                 frame.with_veil(frame.illuminance(&light, at, &central), at)
             } else {
@@ -102,7 +102,7 @@ impl Check {
             let [mut of_p, mut of_catch] = self.errors[i];
             of_p = (0..3).map(|k| (ours[k] - after[k]).abs()).fold(of_p, worst);
             // Catches by the definition take a power at every nanometre: now and then is enough.
-            if still && self.frames.is_power_of_two() {
+            if self.frames.is_power_of_two() {
                 of_catch = worst(of_catch, frame.error_of_catch(&light, at, ours, after));
             }
             self.errors[i] = [of_p, of_catch];
@@ -198,7 +198,7 @@ impl CheckFrame<'_> {
     /// Cone illuminance of a pixel, or of what lies around the picture, td.
     fn of_pixel(&self, [x, y]: [i64; 2], central: &[Vec<f64>; 3]) -> [f64; 3] {
         if x < 0 || y < 0 || x >= self.planes.width as i64 || y >= self.planes.height as i64 {
-            return self.around;
+            return (self.around)([x, y]);
         }
         let at = [x as usize, y as usize];
         if self.kept.is_some() {
@@ -369,7 +369,7 @@ mod tests {
             pupil: Millimetres(3.0),
             gaze: [0.0; 2],
             shift: [0.0; 2],
-            around: [0.0; 3],
+            around: &|_| [0.0; 3],
             pixels_per_degree: 1.0,
             duration,
         }

@@ -3,6 +3,7 @@
 
 use std::ops::Range;
 
+use super::beyond::Around;
 use crate::kernel::{self, Between, TILE};
 
 /// Three planes, row by row, that can be read between their samples.
@@ -11,7 +12,7 @@ pub(super) struct Field<'a, T> {
     pub width: usize,
     pub height: usize,
     /// What lies outside.
-    pub around: [T; 3],
+    pub around: Around<'a, T>,
 }
 
 impl<T: Between> Field<'_, T> {
@@ -22,9 +23,9 @@ impl<T: Between> Field<'_, T> {
         let share = [0, 1].map(|i| from[i] - from[i].floor());
         for (k, out) in out.into_iter().enumerate() {
             let inside = self.inside(at[0], share[0], out.len());
-            let from = [at[0] + inside.start as i64, at[1]];
-            out[..inside.start].fill(self.around[k]);
-            out[inside.end..].fill(self.around[k]);
+            self.around.fill(from, k, &mut out[..inside.start]);
+            let behind = [from[0] + inside.end as f64, from[1]];
+            self.around.fill(behind, k, &mut out[inside.end..]);
             // Places between the picture's edge and what is around it.
             for column in [-1, self.width as i64 - 1] {
                 let i = column - at[0];
@@ -32,7 +33,8 @@ impl<T: Between> Field<'_, T> {
                     out[i as usize] = self.sample([column, at[1]], share, k);
                 }
             }
-            self.run(from, share, k, &mut out[inside]);
+            let first = [at[0] + inside.start as i64, at[1]];
+            self.run(first, share, k, &mut out[inside]);
         }
     }
 
@@ -48,7 +50,8 @@ impl<T: Between> Field<'_, T> {
     fn run(&self, at: [i64; 2], [u, v]: [f64; 2], k: usize, out: &mut [T]) {
         self.line(at, u, k, out);
         if v > 0.0 {
-            let (mut room, mut above) = ([self.around[k]; TILE], [self.around[k]; TILE]);
+            let Some(&any) = out.first() else { return };
+            let (mut room, mut above) = ([any; TILE], [any; TILE]);
             let (below, above) = (&mut room[..out.len()], &mut above[..out.len()]);
             self.line([at[0], at[1] + 1], u, k, below);
             above.copy_from_slice(out);
@@ -59,7 +62,7 @@ impl<T: Between> Field<'_, T> {
     /// A run of one row of one plane.
     fn line(&self, [x, y]: [i64; 2], u: f64, k: usize, out: &mut [T]) {
         if y < 0 || y >= self.height as i64 || out.is_empty() {
-            return out.fill(self.around[k]);
+            return self.around.fill([x as f64 + u, y as f64], k, out);
         }
         let samples = &self.samples[(y as usize * 3 + k) * self.width..][x as usize..];
         match u {
@@ -79,7 +82,7 @@ impl<T: Between> Field<'_, T> {
 
     fn stored(&self, x: i64, y: i64, k: usize) -> T {
         if x < 0 || y < 0 || x >= self.width as i64 || y >= self.height as i64 {
-            return self.around[k];
+            return self.around.at([x as f64, y as f64], k);
         }
         self.samples[(y as usize * 3 + k) * self.width + x as usize]
     }
@@ -98,7 +101,12 @@ mod tests {
     #[test]
     fn whole_steps_are_exact_and_outside_lies_what_is_around() {
         let samples: Vec<f64> = (0..12).map(|i| f64::from(i) / 7.0).collect();
-        let field = Field { samples: &samples, width: 2, height: 2, around: [9.0, 8.0, 7.0] };
+        let field = Field {
+            samples: &samples,
+            width: 2,
+            height: 2,
+            around: Around::Alike([9.0, 8.0, 7.0]),
+        };
         assert_eq!(read(&field, [1.0, 1.0]), [samples[7], samples[9], samples[11]]);
         assert_eq!(read(&field, [-1.0, 0.0]), [9.0, 8.0, 7.0]);
         assert_eq!(read(&field, [0.5, 0.0])[0], samples[0] + 0.5 * (samples[1] - samples[0]));
@@ -107,7 +115,12 @@ mod tests {
     #[test]
     fn a_run_is_its_places_wherever_it_begins_and_ends() {
         let samples: Vec<f64> = (0..3 * 40 * 5).map(|i| (f64::from(i) * 0.37).sin()).collect();
-        let field = Field { samples: &samples, width: 40, height: 5, around: [9.0, 8.0, 7.0] };
+        let field = Field {
+            samples: &samples,
+            width: 40,
+            height: 5,
+            around: Around::Alike([9.0, 8.0, 7.0]),
+        };
         for (x, y) in [-50.0, -3.4, 0.0, 0.6, 25.0, 37.5, 39.0, 39.5, 60.0]
             .into_iter()
             .flat_map(|x| [-2.0, -0.3, 0.0, 2.25, 3.9, 4.0, 4.5, 9.0].map(move |y| (x, y)))

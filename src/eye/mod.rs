@@ -8,6 +8,7 @@
 //! (width - 1)/2. A gaze is given in fractions of the picture ([`Gaze`]) or in pixels.
 
 mod adapting;
+mod beyond;
 pub mod check;
 mod field;
 mod illuminance;
@@ -170,7 +171,7 @@ pub struct Eye {
     optics: Option<OpticsStage>,
     percept: PerceptStage,
     illuminance: Option<IlluminanceOperator>,
-    /// Projections of the light around the picture at 1 cd/m2.
+    /// Moments of the light around the picture at 1 cd/m2.
     around: Vec<f64>,
     /// Cone illuminance of a whole picture, under a moved gaze.
     fields: Vec<f32>,
@@ -231,6 +232,7 @@ impl EyeBuilder {
     pub fn build(self) -> Result<Eye> {
         let mut eye = self.0;
         eye.optics = eye.optics.map(|optics| optics.within(eye.surround));
+        eye.retina = eye.retina.with_cells(eye.optics.as_ref().map(OpticsStage::extent));
         let [width, height] = eye.size;
         if width == 0 || height == 0 || eye.retina.size() != eye.size {
             let problem = format!(

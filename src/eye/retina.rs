@@ -11,7 +11,9 @@ use ndarray::{Array3, ArrayView3, s};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::beyond::{Around, Grid};
 use crate::eye::pigment::PigmentStep;
+use crate::optics::Extent;
 
 /// Pigment at every place. Rows of three runs, L, M and S: shape (height, 3, width).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -23,6 +25,8 @@ pub struct Retina {
     origin: [i64; 2],
     /// Pigment wherever no picture has been.
     beyond: [f64; 3],
+    /// The same cell by cell, in an eye that scatters light there.
+    around: Option<Grid<f64>>,
 }
 
 impl Retina {
@@ -36,7 +40,7 @@ impl Retina {
         for k in (0..size[1]).flat_map(|_| 0..3) {
             p.resize(p.len() + size[0], beyond[k]);
         }
-        Retina { p, size, origin: [0, 0], beyond }
+        Retina { p, size, origin: [0, 0], beyond, around: None }
     }
 
     /// A retina of given fractions, shape (height, 3, width), in standard layout; values outside
@@ -44,7 +48,7 @@ impl Retina {
     pub fn from_fractions(p: ArrayView3<f64>, beyond: [f64; 3]) -> Self {
         let (height, _, width) = p.dim();
         let p = p.iter().map(|v| v.clamp(0.0, 1.0)).collect();
-        Retina { p, size: [width, height], origin: [0, 0], beyond }
+        Retina { p, size: [width, height], origin: [0, 0], beyond, around: None }
     }
 
     /// Columns and rows that are kept.
@@ -62,6 +66,30 @@ impl Retina {
         self.beyond
     }
 
+    /// The same with cells of its own for what lies beyond the picture, if `extent` tells where.
+    pub(super) fn with_cells(self, extent: Option<Extent>) -> Self {
+        let around = extent.map(|extent| Grid::alike(extent, self.beyond));
+        Retina { around, ..self }
+    }
+
+    /// Whether what lies beyond the picture has these cells.
+    pub(super) fn has_cells(&self, extent: Option<Extent>) -> bool {
+        match (&self.around, extent) {
+            (Some(around), Some(extent)) => around.is_of(extent),
+            (around, extent) => around.is_none() && extent.is_none(),
+        }
+    }
+
+    /// Where the cells beyond the picture lie.
+    pub(super) fn extent(&self) -> Option<Extent> {
+        self.around.as_ref().map(Grid::extent)
+    }
+
+    /// Pigment wherever there is no place of its own.
+    pub(super) fn around(&self) -> Around<'_, f64> {
+        self.around.as_ref().map_or(Around::Alike(self.beyond), Around::Grid)
+    }
+
     /// Everything that is kept: rows of L, M, S.
     pub fn fractions(&self) -> &[f64] {
         &self.p
@@ -69,7 +97,8 @@ impl Retina {
 
     /// Whether every pigment is unbleached.
     pub fn is_rested(&self) -> bool {
-        self.p.iter().chain(&self.beyond).all(|&p| p == 1.0)
+        let cells = self.around.iter().flat_map(Grid::samples);
+        self.p.iter().chain(&self.beyond).chain(cells).all(|&p| p == 1.0)
     }
 
     /// Whether it holds what it says: as many fractions as places, each within 0..1.
@@ -101,7 +130,7 @@ impl Retina {
         let [x, y] = [0, 1].map(|i| place[i] - self.origin[i]);
         let [width, height] = self.size();
         if x < 0 || y < 0 || x >= width as i64 || y >= height as i64 {
-            return self.beyond;
+            return [0, 1, 2].map(|k| self.around().at(place.map(|v| v as f64), k));
         }
         [0, 1, 2].map(|k| self.p[(y as usize * 3 + k) * width + x as usize])
     }
@@ -129,6 +158,10 @@ impl Retina {
         let size = [0, 1].map(|i| before[i] + self.size[i] + after[i]);
         let mut grown = Retina::uniform(size, self.beyond);
         grown.origin = [0, 1].map(|i| self.origin[i] - before[i] as i64);
+        if let Some(around) = self.around.take() {
+            grown.join(&around);
+            grown.around = Some(around);
+        }
         let rows = grown.p.chunks_exact_mut(size[0]).skip(3 * before[1]);
         for (row, old) in rows.zip(self.p.chunks_exact(self.size[0])) {
             row[before[0]..][..self.size[0]].copy_from_slice(old);
@@ -136,8 +169,27 @@ impl Retina {
         *self = grown;
     }
 
-    /// Moves the places that no picture has covered by the surround's light, td.
-    pub(super) fn advance_beyond(&mut self, step: &PigmentStep, surround: [f32; 3]) {
+    /// Gives every place the pigment of the cells that it lies between.
+    fn join(&mut self, cells: &Grid<f64>) {
+        let [x, y] = self.origin.map(|o| o as f64);
+        for (i, row) in self.p.chunks_exact_mut(self.size[0]).enumerate() {
+            Around::Grid(cells).fill([x, y + (i / 3) as f64], i % 3, row);
+        }
+    }
+
+    /// Moves the places that no picture has covered by the light there, td, when the gaze has moved
+    /// by `shift` pixels.
+    pub(super) fn advance_beyond(
+        &mut self,
+        step: &PigmentStep,
+        light: Around<'_, f32>,
+        shift: [f64; 2],
+    ) {
+        let surround = match (&mut self.around, light) {
+            (Some(cells), Around::Grid(light)) => return cells.advance(step, light, shift),
+            (_, Around::Grid(_)) => return,
+            (_, Around::Alike(surround)) => surround,
+        };
         for (k, td) in surround.into_iter().enumerate() {
             step.cone(k, &[td], std::slice::from_mut(&mut self.beyond[k]));
         }
@@ -161,7 +213,7 @@ mod tests {
         (0..3).for_each(|k| {
             step.cone(k, &[1e6; 2], &mut retina.p[2 * k..][..2]);
         });
-        retina.advance_beyond(&step, [1e4; 3]);
+        retina.advance_beyond(&step, Around::Alike([1e4; 3]), [0.0; 2]);
         let (inside, outside) = (retina.at([1, 0]), retina.beyond());
         assert_eq!(retina.cover([-1, 0], [1, 2], 4), [1, 0]);
         assert_eq!(retina.size(), [6, 3]);

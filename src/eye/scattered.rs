@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use serde_json::{Value, json};
 
+use super::beyond::Grid;
 use super::{Eye, Stimulus, Surround, survey};
-use crate::light::{Planes, Survey};
-use crate::optics::{Draw, Optics};
-use crate::units::Nits;
+use crate::light::{Planes, Samples, Survey};
+use crate::optics::{Draw, Extent, Optics, VeilAround};
+use crate::units::{Millimetres, Nits};
 
 /// The optics, and the frame that it did last.
 pub(super) struct OpticsStage {
@@ -21,12 +22,22 @@ pub(super) struct OpticsStage {
     of: Option<Arc<Survey>>,
     /// The survey of the light that is seen.
     seen: Option<Arc<Survey>>,
+    around: VeiledAround,
+}
+
+/// The light beyond the picture, cell by cell.
+struct VeiledAround {
+    canvas: Option<VeilAround>,
+    planes: Planes,
+    td: Grid<f32>,
 }
 
 impl OpticsStage {
     pub fn new(optics: Optics, draw: Draw) -> OpticsStage {
-        let retinal = Planes::float(0, 0, 0);
-        OpticsStage { optics, draw, beyond: None, retinal, of: None, seen: None }
+        let [retinal, planes] = [(); 2].map(|()| Planes::float(0, 0, 0));
+        let td = Grid::alike(optics.extent_around(), [0.0; 3]);
+        let around = VeiledAround { canvas: None, planes, td };
+        OpticsStage { optics, draw, beyond: None, retinal, of: None, seen: None, around }
     }
 
     /// The same in a world that is known.
@@ -36,6 +47,37 @@ impl OpticsStage {
             Surround::Uniform(nits) => Some(nits),
         };
         OpticsStage { beyond, ..self }
+    }
+
+    /// Where the cells beyond the picture lie.
+    pub fn extent(&self) -> Extent {
+        self.optics.extent_around()
+    }
+
+    /// Makes the cone illuminance beyond the picture, by the weight of each plane.
+    pub fn illuminate_around(&mut self, weights: &[Vec<f64>; 3]) {
+        let VeiledAround { planes, td, .. } = &mut self.around;
+        let Samples::Float(light) = &planes.samples else { return };
+        let (width, count) = (planes.width, planes.count);
+        for (row, light) in td.rows_mut().zip(light.chunks_exact(count * width)) {
+            for (td, weights) in row.chunks_exact_mut(width).zip(weights) {
+                for (x, td) in td.iter_mut().enumerate() {
+                    let planes = weights.iter().enumerate();
+                    let sum = planes.map(|(i, w)| w * f64::from(light[i * width + x]));
+                    *td = sum.sum::<f64>().max(0.0) as f32;
+                }
+            }
+        }
+    }
+
+    /// Cone illuminance beyond the picture, td.
+    pub fn light_around(&self) -> &Grid<f32> {
+        &self.around.td
+    }
+
+    /// The same, if a frame was done.
+    pub fn done_around(&self) -> Option<&Grid<f32>> {
+        self.of.is_some().then_some(&self.around.td)
     }
 
     /// The light on the retina.
@@ -81,6 +123,7 @@ impl Eye {
     /// matters: a veil that is not drawn over pigment that does not bleach.
     pub(super) fn scatter(&mut self, s: Stimulus<'_>, bleaches: bool) -> Option<OpticsStage> {
         let beyond = self.light_beyond();
+        let around = self.equal_energy(self.surround_luminance());
         let stage = self.optics.as_mut()?;
         if !bleaches && stage.draw == Draw::Clear {
             stage.of = None;
@@ -88,6 +131,8 @@ impl Eye {
         }
         if !stage.of.as_ref().is_some_and(|of| Arc::ptr_eq(of, s.survey)) {
             stage.optics.exchange(s.planes, beyond.as_deref(), &mut stage.retinal);
+            let VeiledAround { canvas, planes, .. } = &mut stage.around;
+            stage.optics.veil_around(&around, canvas, planes);
             stage.of = Some(s.survey.clone());
             stage.seen = (stage.draw == Draw::Veiled)
                 .then(|| Arc::new(survey(&self.vision, &stage.retinal, self.pixels_per_degree)));
@@ -98,8 +143,26 @@ impl Eye {
     /// The light around the picture, plane by plane, where a luminance was given. The picture's edge
     /// says little of its colour: then no light leaves the picture or comes in.
     fn light_beyond(&self) -> Option<Vec<f32>> {
-        let Nits(nits) = self.optics.as_ref()?.beyond?;
-        Some(self.around.iter().map(|v| (v * nits) as f32).collect())
+        self.optics.as_ref()?.beyond.map(|nits| self.equal_energy(nits))
+    }
+
+    /// An equal-energy light, plane by plane.
+    fn equal_energy(&self, luminance: Nits) -> Vec<f32> {
+        let planes = self.vision.equal_energy_planes();
+        planes.into_iter().map(|v| (v * luminance.0) as f32).collect()
+    }
+
+    /// Weights of each plane in the cone illuminance of a place far from the gaze, td.
+    pub(super) fn weights_around(&self, pupil: Millimetres) -> [Vec<f64>; 3] {
+        let of_levels = self.vision.illuminance_weights(pupil, Millimetres(f64::INFINITY));
+        let count = self.vision.plane_count();
+        let of_plane = |plane: usize| {
+            let rows = 0..self.vision.moment_count();
+            let moments: Vec<f64> = rows.map(|row| self.vision.moment_weight(row, plane)).collect();
+            self.vision.illuminance(&moments, &of_levels)
+        };
+        let of_planes: Vec<[f64; 3]> = (0..count).map(of_plane).collect();
+        [0, 1, 2].map(|k| of_planes.iter().map(|weights| weights[k]).collect())
     }
 
     /// The light on the retina of a frame that was looked at.

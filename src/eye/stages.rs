@@ -6,6 +6,7 @@
 
 use rayon::prelude::*;
 
+use super::beyond::Around;
 use super::check::CheckFrame;
 use super::field::Field;
 use super::illuminance::IlluminanceOperator;
@@ -31,7 +32,17 @@ struct LookContext<'a> {
     step: PigmentStep,
     rule: Rule,
     /// Cone illuminance around the picture, td.
-    around: [f32; 3],
+    around: Around<'a, f32>,
+}
+
+impl LookContext<'_> {
+    /// The greatest cone illuminance around the picture, td.
+    fn greatest_around(&self) -> [f32; 3] {
+        match self.around {
+            Around::Alike(td) => td,
+            Around::Grid(td) => td.greatest(),
+        }
+    }
 }
 
 impl Eye {
@@ -59,10 +70,13 @@ impl Eye {
         };
         let step = PigmentStep::new(self.pigments, model, duration);
         // What a field scatters is the field.
-        let optics = if is_field { None } else { self.scatter(stimulus, !step.is_idle()) };
-        let retinal = optics.as_ref().map_or(stimulus.planes, |optics| optics.retinal());
+        let mut optics = if is_field { None } else { self.scatter(stimulus, !step.is_idle()) };
         let adapting = self.adapting(stimulus.planes, stimulus.survey, gaze);
         let pupil = self.pupil.follow(adapting, duration);
+        if let Some(optics) = &mut optics {
+            optics.illuminate_around(&self.weights_around(pupil));
+        }
+        let retinal = optics.as_ref().map_or(stimulus.planes, |optics| optics.retinal());
         let operator = self.aimed(retinal, pupil, gaze);
         let of_field = self.immerse(&step, pupil);
         let context = LookContext {
@@ -72,7 +86,10 @@ impl Eye {
             shift,
             step: if is_field { step.idle() } else { step },
             rule: self.plan.rule(&self.pigments, duration),
-            around: self.surround_illuminance(pupil).map(|td| td as f32),
+            around: match &optics {
+                Some(optics) => Around::Grid(optics.light_around()),
+                None => Around::Alike(self.surround_illuminance(pupil).map(|td| td as f32)),
+            },
         };
         let (percept, stats) = self.percept_of(&context, &operator);
         if of_field.stepped {
@@ -236,7 +253,7 @@ impl Eye {
         let ([width, height], shift, around) = (self.size, context.shift, context.around);
         self.fields.resize(3 * width * height, 0.0);
         let stats = illuminate(context.retinal, operator, &mut self.fields);
-        let stats = stats.and(LookStats::of_light(around));
+        let stats = stats.and(LookStats::of_light(context.greatest_around()));
         let field = Field { samples: &self.fields, width, height, around };
         let ([x0, y0], [places, _]) = (self.retina.origin(), self.retina.size());
         let rows = self.retina.par_rows_mut().zip(self.plan.ledger.rows_mut()).enumerate();
@@ -276,9 +293,9 @@ impl Eye {
     /// Moves what no picture has covered, unless it may be left untouched.
     fn advance_beyond(&mut self, context: &LookContext<'_>) {
         let bound = self.plan.ledger.beyond_mut();
-        *bound = context.rule.after(*bound, context.around);
+        *bound = context.rule.after(*bound, context.greatest_around());
         if bound.is_infinite() {
-            self.retina.advance_beyond(&context.step, context.around);
+            self.retina.advance_beyond(&context.step, context.around, context.shift);
         }
     }
 
@@ -325,6 +342,14 @@ impl Eye {
         self.vision.illuminance(&self.around, &weights).map(|td| td * self.surround_luminance().0)
     }
 
+    /// Cone illuminance of a place beyond the picture of a frame that was looked at, td.
+    fn illuminance_around(&self, pupil: Millimetres, [x, y]: [i64; 2]) -> [f64; 3] {
+        match self.optics.as_ref().and_then(|stage| stage.done_around()) {
+            Some(td) => [0, 1, 2].map(|k| f64::from(td.at([x as f64, y as f64], k))),
+            None => self.surround_illuminance(pupil),
+        }
+    }
+
     /// Cone illuminance of one pixel of a frame that was looked at, td.
     pub fn illuminance_at(&self, planes: &Planes, look: &Look, [x, y]: [usize; 2]) -> [f64; 3] {
         let per_degree = self.vision.observer.directional.mm_per_degree().unwrap_or(0.0);
@@ -348,7 +373,7 @@ impl Eye {
     /// The retina's pigment, to be read between its places.
     fn pigment(&self) -> Field<'_, f64> {
         let [width, height] = self.retina.size();
-        Field { samples: self.retina.fractions(), width, height, around: self.retina.beyond() }
+        Field { samples: self.retina.fractions(), width, height, around: self.retina.around() }
     }
 
     /// The check before a look; a new one starts with the retina's fractions.
@@ -370,7 +395,7 @@ impl Eye {
             pupil: look.pupil,
             gaze: look.gaze,
             shift: look.shift,
-            around: self.surround_illuminance(look.pupil),
+            around: &|at| self.illuminance_around(look.pupil, at),
             pixels_per_degree: self.pixels_per_degree,
             duration: look.duration,
         };

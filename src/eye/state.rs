@@ -22,8 +22,9 @@ pub struct State {
 }
 
 impl State {
-    /// The same with another retina.
+    /// The same with another retina, alike beyond the picture.
     pub fn with_retina(self, retina: Retina) -> State {
+        let retina = retina.with_cells(self.retina.extent());
         State { retina, ..self }
     }
 }
@@ -58,7 +59,8 @@ impl Eye {
                 Surround::Uniform(nits) => nits.0 >= 0.0,
             };
         let fits = check.as_ref().is_none_or(|check| check.is_sound(self.size));
-        if !(size == self.size && retina.is_sound() && covers && known && fits) {
+        let cells = retina.has_cells(self.retina.extent());
+        if !(size == self.size && retina.is_sound() && covers && cells && known && fits) {
             return Err(Error::light("the state is of an eye of another size, or damaged"));
         }
         if !self.plan.fits(&plan, retina.size()[1]) || !self.pupil.fits(&pupil) {

@@ -51,6 +51,20 @@ impl Planes {
         Planes { width, height, count, samples: Samples::Float(vec![0.0; width * height * count]) }
     }
 
+    /// The samples as floats of this size, old or new, to be written over.
+    pub fn floats(&mut self, width: usize, height: usize, count: usize) -> &mut [f32] {
+        let fits =
+            matches!(&self.samples, Samples::Float(old) if old.len() == width * height * count);
+        if !fits {
+            *self = Planes::float(width, height, count);
+        }
+        (self.width, self.height, self.count) = (width, height, count);
+        match &mut self.samples {
+            Samples::Float(samples) => samples,
+            Samples::Half(_) => &mut [],
+        }
+    }
+
     /// Half planes of zeros.
     pub fn half(width: usize, height: usize, count: usize) -> Self {
         Planes {

@@ -18,6 +18,7 @@
 //! a certificate by enumeration proves, and all its weights are positive: the error of r is at most
 //! [`Optics::bound`] of r, at every place of every picture.
 
+mod around;
 mod certificate;
 mod gaussians;
 mod levels;
@@ -29,8 +30,9 @@ mod whole;
 
 use serde::{Deserialize, Serialize};
 
-use crate::light::{Planes, Samples};
+use crate::light::Planes;
 
+pub use around::{Extent, VeilAround};
 pub use levels::{DEPTHS, Depth};
 pub use psf::{PSFS, Psf};
 
@@ -179,18 +181,22 @@ impl Optics {
         let straight = self.straight as f32;
         let beyond: Vec<_> =
             (0..s.count).map(|i| beyond.map(|light| (straight, light[i]))).collect();
-        let samples = match &mut out.samples {
-            Samples::Float(samples) if samples.len() == s.width * s.height * s.count => samples,
-            _ => {
-                *out = Planes::float(s.width, s.height, s.count);
-                let Samples::Float(samples) = &mut out.samples else {
-                    unreachable!("planes of floats")
-                };
-                samples
-            }
-        };
-        (out.width, out.height, out.count) = (s.width, s.height, s.count);
+        let samples = out.floats(s.width, s.height, s.count);
         self.pyramid.exchange(s, &self.kept, &beyond, samples);
+    }
+
+    /// The light on the retina beyond the picture that was exchanged last, on the canvas of
+    /// [`Optics::extent_around`]. `beyond`: the light there, plane by plane; `around` keeps the
+    /// canvas from call to call. `out` is written over.
+    pub fn veil_around(&self, beyond: &[f32], around: &mut Option<VeilAround>, out: &mut Planes) {
+        let old = around.take().filter(|around| around.is_for(self.pyramid.count()));
+        let around = around.insert(old.unwrap_or_else(|| VeilAround::new(self)));
+        around.follow(&self.pyramid, beyond, out);
+    }
+
+    /// Where the cells of the canvas around a picture lie.
+    pub fn extent_around(&self) -> Extent {
+        Extent::around(self.size, self.pyramid.height())
     }
 
     /// Largest relative error of the light on the retina at any place of any picture without

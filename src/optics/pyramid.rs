@@ -79,14 +79,25 @@ impl Pyramid {
     /// The veil of a picture that is the same everywhere, of one plane: K 1.
     pub fn of_ones(&mut self) -> Vec<f32> {
         let Shape { width, height, .. } = self.levels[0].shape;
-        let ones = Planes {
-            samples: Samples::Float(vec![1.0; width * height]),
-            ..Planes::float(width, height, 1)
-        };
         let mut veil = vec![0.0; width * height];
-        self.climb(&ones);
-        self.descend(&mut veil, |_, _, veil, out| out.copy_from_slice(&veil[MARGIN..][..width]));
+        self.veil(&ones(width, height), &mut veil);
         veil
+    }
+
+    /// The veil of a picture: K s.
+    pub fn veil(&mut self, s: &Planes, out: &mut [f32]) {
+        let Shape { width, plane, .. } = self.levels[0].shape;
+        self.climb(s);
+        self.descend(out, |_, _, veil, out| {
+            for (out, veil) in out.chunks_exact_mut(width).zip(veil.chunks_exact(plane)) {
+                out.copy_from_slice(&veil[MARGIN..][..width]);
+            }
+        });
+    }
+
+    /// The light of a level after the climb.
+    pub fn light(&self, level: usize) -> (&Shape, &[f32]) {
+        (&self.levels[level].shape, &self.levels[level].light)
     }
 
     /// The light on the retina: `kept` and `beyond` as [`Exchange`] has them, `beyond` for each
@@ -111,7 +122,7 @@ impl Pyramid {
     }
 
     /// Up: the picture's light on every level.
-    fn climb(&mut self, s: &Planes) {
+    pub fn climb(&mut self, s: &Planes) {
         let Level { shape, light, .. } = &mut self.levels[0];
         let Shape { width, height, count, plane, stride } = *shape;
         debug_assert_eq!([s.width, s.height, s.count], [width, height, count]);
@@ -179,6 +190,12 @@ impl Pyramid {
             },
         );
     }
+}
+
+/// A picture of one plane that is 1 everywhere.
+pub(super) fn ones(width: usize, height: usize) -> Planes {
+    let samples = Samples::Float(vec![1.0; width * height]);
+    Planes { width, height, count: 1, samples }
 }
 
 /// A Gaussian as the loops take it.

@@ -1,5 +1,7 @@
 //! Laws of the operator, and its error against direct summation in f64.
 
+use crate::light::Samples;
+
 use super::gaussians::Gaussians;
 use super::*;
 use half::f16;

@@ -234,6 +234,19 @@ impl Vision {
         self.moments_of(&Curve::sampled(|_| 1.0))
     }
 
+    /// Planes of light that an equal-energy spectrum of one cd/m2 would have; in RGB, of light that
+    /// unbleached cones catch alike.
+    pub fn equal_energy_planes(&self) -> Vec<f64> {
+        let moments = self.equal_energy_moments();
+        match &self.reception {
+            Reception::Rgb(_) => {
+                colour::apply(&self.lms_to_seen, self.catch(&moments, [1.0; 3])).to_vec()
+            }
+            Reception::Bands(_) => moments,
+            Reception::Held(p) => vec![1.0 / self.luminance.iter().sum::<f64>(); p.bands],
+        }
+    }
+
     /// Moments of light of any spectrum at one cd/m2.
     pub fn moments_of(&self, spectrum: &Curve) -> Vec<f64> {
         let luminance = spectrum.times(&self.observer.luminous_efficiency()).integral();
