@@ -245,6 +245,10 @@ fn the_page_may_not_be_framed_stored_or_load_anything() {
     {
         assert!(answer.contains(header), "{header}");
     }
+    let socket = format!("connect-src 'self' ws://{};", server.address());
+    assert!(answer.contains(&socket), "the page may open its own socket in any browser");
+    let forwarded = server.raw("GET / HTTP/1.1\nHost: localhost:9000\n\n");
+    assert!(forwarded.contains("connect-src 'self' ws://localhost:9000;"));
     assert!(!answer.contains(&server.token()), "the token is in the address alone");
 }
 

@@ -81,9 +81,12 @@ impl Report<'_> {
     }
 }
 
-/// The page without data, for `sungaze view` to serve.
-pub fn live() -> String {
-    assembled("img-src blob: data:; connect-src 'self'", "")
+/// The page without data, for `sungaze view` to serve. `host`: the name and port that it was asked
+/// for, whose socket it may open; Safari before 15.4 does not take `'self'` for that.
+pub fn live(host: &str) -> String {
+    // A policy has no word for an address of IPv6.
+    let socket = if host.starts_with('[') { String::new() } else { format!(" ws://{host}") };
+    assembled(&format!("img-src blob: data:; connect-src 'self'{socket}"), "")
 }
 
 /// The page's parts in one file. `allowed`: what the content security policy lets it load.
@@ -132,8 +135,20 @@ mod tests {
     }
 
     #[test]
+    fn the_live_page_may_open_the_socket_of_its_own_address_and_no_other() {
+        let policy = |host: &str| {
+            let html = live(host);
+            let (_, rest) = html.split_once("connect-src ").unwrap();
+            rest.split_once(';').unwrap().0.to_owned()
+        };
+        assert_eq!(policy("127.0.0.1:8765"), "'self' ws://127.0.0.1:8765");
+        assert_eq!(policy("[::1]:8765"), "'self'");
+        assert!(!page("sunset", &Value::Null).contains("connect-src"));
+    }
+
+    #[test]
     fn the_page_runs_its_own_script_only_and_asks_nobody_for_anything() {
-        for html in [page("sunset", &Value::Null), live()] {
+        for html in [page("sunset", &Value::Null), live("localhost:1")] {
             assert!(!html.contains("{{") && !html.contains("unsafe"), "{}", &html[..600]);
             let external =
                 ["src=\"", "href=\"http", "@import", "url(", "innerHTML", "document.write"];

@@ -14,6 +14,7 @@ use super::exchange::{Exchange, Next};
 use super::http::{self, Status, Wanted};
 use super::message::Message;
 use super::painter::{Painter, Picture};
+use crate::page;
 
 /// The longest message of a page, bytes.
 const LONGEST: usize = 64 << 10;
@@ -22,7 +23,6 @@ const PATIENCE: Duration = Duration::from_secs(5);
 
 /// What connections share.
 pub struct Service {
-    pub page: String,
     pub token: String,
     pub exchange: Exchange<Picture>,
 }
@@ -37,7 +37,7 @@ pub fn serve(service: &Service, mut stream: TcpStream, busy: bool) -> Result<()>
     let head = http::head(&mut stream)?;
     match head.and_then(|head| Ok((head.wanted()?, head.rest))) {
         Err(status) => http::refuse(&mut stream, status),
-        Ok((Wanted::Page, _)) => http::send_page(&mut stream, &service.page),
+        Ok((Wanted::Page(host), _)) => http::send_page(&mut stream, &page::live(&host)),
         Ok((Wanted::Eye(key), rest)) => {
             http::switch(&mut stream, &key)?;
             stream.set_read_timeout(Some(PATIENCE))?;

@@ -58,7 +58,8 @@ impl Status {
 /// What may be had.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wanted {
-    Page,
+    /// The page, by the name and port that it was asked for.
+    Page(String),
     /// The WebSocket, by its client's key.
     Eye(String),
 }
@@ -133,7 +134,7 @@ impl Head {
             return Err(Status::NotGet);
         }
         match self.path.as_str() {
-            "/" => Ok(Wanted::Page),
+            "/" => Ok(Wanted::Page(host.clone())),
             "/eye" => self.eye(host),
             _ => Err(Status::NotFound),
         }
@@ -218,7 +219,7 @@ mod tests {
     #[test]
     fn only_this_machines_own_names_are_answered_at_any_port() {
         for host in ["127.0.0.1", "127.0.0.1:80", "localhost:9000", "LOCALHOST", "[::1]:8765"] {
-            assert_eq!(page(host), Ok(Wanted::Page), "{host}");
+            assert_eq!(page(host), Ok(Wanted::Page(host.into())), "{host}");
         }
         let foreign = [
             "evil.example",

@@ -32,7 +32,6 @@ use std::thread::JoinHandle;
 
 use crate::config::Config;
 use crate::error::{Error, Result};
-use crate::page;
 
 use connection::Service;
 use exchange::Exchange;
@@ -63,7 +62,7 @@ impl View {
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(refused)?;
         let address = listener.local_addr().map_err(refused)?;
         let exchange = Exchange::new();
-        let service = Arc::new(Service { page: page::live(), token: token()?, exchange });
+        let service = Arc::new(Service { token: token()?, exchange });
         let ends = Arc::new(AtomicBool::new(false));
         let eye = spawn("eye", {
             let service = service.clone();
