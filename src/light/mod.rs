@@ -10,6 +10,7 @@
 //!   planes.
 
 mod halves;
+pub mod reduced;
 mod survey;
 mod tile;
 

@@ -1,4 +1,4 @@
-//! A smaller picture of a percept: each of its pixels is the mean of the area that it covers.
+//! A smaller picture: each of its pixels is the mean of the area that it covers.
 
 use rayon::prelude::*;
 
@@ -8,6 +8,21 @@ use crate::light::{Planes, Samples};
 pub fn size([width, height]: [usize; 2], side: usize) -> [usize; 2] {
     let scale = (side as f64 / width.max(height) as f64).min(1.0);
     [width, height].map(|pixels| ((pixels as f64 * scale).round() as usize).max(1))
+}
+
+/// The pixels of a picture that lie under one of a smaller picture, with their shares of it.
+pub fn covered(
+    [x, y]: [usize; 2],
+    from: [usize; 2],
+    to: [usize; 2],
+) -> impl Iterator<Item = ([usize; 2], f64)> {
+    let [columns, rows] = [0, 1].map(|i| Shares::new(from[i], to[i]));
+    let columns: Vec<_> = columns.of(x).collect();
+    rows.of(y).flat_map(move |(row, of_row)| {
+        let of_row = f64::from(of_row);
+        let pixel = move |(column, share): (usize, f32)| ([column, row], of_row * f64::from(share));
+        columns.clone().into_iter().map(pixel)
+    })
 }
 
 /// The means of all planes over the pixels of a smaller picture.
@@ -46,7 +61,7 @@ impl Shares {
     }
 
     /// The pixels that pixel `i` covers, with their shares of it.
-    fn of(&self, i: usize) -> impl Iterator<Item = (usize, f32)> {
+    fn of(&self, i: usize) -> impl Iterator<Item = (usize, f32)> + use<> {
         let (begin, end, across) = (i as f64 * self.from, (i + 1) as f64 * self.from, self.from);
         let last = ((end - 1e-9).floor() as usize).min(self.last);
         (begin.floor() as usize..=last).map(move |pixel| {

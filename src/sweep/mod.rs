@@ -11,7 +11,6 @@ mod folder;
 mod light;
 mod pass;
 mod plot;
-mod reduced;
 mod table;
 pub mod typed;
 
@@ -30,6 +29,7 @@ use crate::display::ToneMap;
 use crate::error::{Error, Result};
 use crate::eye::Look;
 use crate::frames::atomic;
+use crate::light::reduced;
 use crate::plot::marks::Marks;
 use crate::run::report::Timing;
 use crate::run::writer::Finished;

@@ -1,7 +1,7 @@
 //! The projection of spectral frames onto the few sums that are kept of them, done block by block
 //! while a file is decoded.
 
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
@@ -92,6 +92,11 @@ impl Projection {
         planes
     }
 
+    /// The places whose spectra are to be remembered, and room for them.
+    pub fn kept(&self) -> Option<&Arc<SampledSpectra>> {
+        self.kept.as_ref()
+    }
+
     /// Columns of the places in row `y` whose spectra are to be remembered.
     pub fn kept_columns(&self, y: usize) -> impl Iterator<Item = usize> + '_ {
         let places = self.kept.iter().flat_map(|kept| kept.places.iter());
@@ -111,9 +116,7 @@ impl Projection {
             for (i, &(band, scale)) in self.stored.iter().enumerate() {
                 values[band] = f64::from(bands[i * width + x]) * scale;
             }
-            if let Ok(mut spectrum) = spectrum.lock() {
-                *spectrum = values;
-            }
+            hold(spectrum, values);
         }
     }
 }
@@ -141,10 +144,24 @@ impl SampledSpectra {
         }
     }
 
+    /// Column and row of each place.
+    pub fn places(&self) -> &[[usize; 2]] {
+        &self.places
+    }
+
+    /// Fills in the radiance of place `i`, band by band.
+    pub fn fill(&self, i: usize, spectrum: Vec<f64>) {
+        hold(&self.spectra[i], spectrum);
+    }
+
     /// Radiance of place `i`, band by band; empty where the frame had no data.
     pub fn spectrum(&self, i: usize) -> Vec<f64> {
         self.spectra[i]
             .lock()
             .map_or_else(|poisoned| poisoned.into_inner().clone(), |spectrum| spectrum.clone())
     }
+}
+
+fn hold(place: &Mutex<Vec<f64>>, spectrum: Vec<f64>) {
+    *place.lock().unwrap_or_else(PoisonError::into_inner) = spectrum;
 }
