@@ -1,8 +1,9 @@
 //! Random visits, replayed by a run bit for bit.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;
+use serde_json::{Value, json};
 use sungaze::config::Config;
 use sungaze::frames::{self, About, Compression};
 use sungaze::light::{Planes, Samples};
@@ -10,60 +11,126 @@ use sungaze::run::{self, Unwatched};
 use sungaze::units::Nits;
 use sungaze::view::{self, Live};
 
-/// One thing that somebody does: where to look, for how long, and how much of the path to go back first.
-type Deed = ([f64; 2], u32, Option<f64>);
-
-fn deeds() -> impl Strategy<Value = Vec<Deed>> {
-    let gaze = prop::array::uniform2(0.0..=1.0);
-    let back = prop::option::weighted(0.2, 0.0..=1.0);
-    prop::collection::vec((gaze, 1u32..4000, back), 1..12)
+/// One thing that somebody does.
+#[derive(Clone, Debug)]
+enum Deed {
+    /// Looks at a point for so many parts of a second of 1024; one part: a glance while time rests.
+    Look([f64; 2], u32),
+    /// Drags the gaze from one point to another, a look every 1/64 s.
+    Drag([f64; 2], [f64; 2], u32),
+    /// Goes back to a share of the time that was lived.
+    Back(f64),
+    Rest,
+    Set(&'static str, Value),
 }
 
-/// Lives through deeds as the page's clock would: all edges at multiples of 2^-10 s.
-fn lived(toml: &str, base: &Path, deeds: &[Deed]) -> Live {
-    let config = Config::parse(toml, "test", "test", base, &[]).unwrap();
-    let mut live = Live::open(config).unwrap();
-    for (gaze, parts, back) in deeds {
-        if let Some(share) = back {
-            live.go_to(share * live.now()).unwrap();
-            while live.is_behind() {
-                live.live_on().unwrap();
+fn deeds() -> impl Strategy<Value = Vec<Deed>> {
+    let gaze = || prop::array::uniform2(0.0..=1.0);
+    let set = prop::sample::select(vec![
+        ("optics.psf", json!("none")),
+        ("optics.psf", json!("stiles-holladay")),
+        ("optics.draw", json!("clear")),
+        ("observer.age", json!(70)),
+        ("observer.pupil", json!("moon-spencer")),
+        ("observer.half_bleach_log_td", json!([5.0, 5.0, 6.0])),
+        ("observer.half_bleach_log_td", json!(null)),
+        ("display.tone", json!("exposure")),
+        ("display.exposure_ev", json!(-9.5)),
+        ("display.highlights", json!(1.0)),
+    ]);
+    let deed = prop_oneof![
+        6 => (gaze(), prop_oneof![Just(1), 1u32..4000]).prop_map(|(at, parts)| Deed::Look(at, parts)),
+        2 => (gaze(), gaze(), 2u32..12).prop_map(|(from, to, looks)| Deed::Drag(from, to, looks)),
+        2 => (0.0..=1.0).prop_map(Deed::Back),
+        1 => Just(Deed::Rest),
+        2 => set.prop_map(|(key, value)| Deed::Set(key, value)),
+    ];
+    prop::collection::vec(deed, 1..12)
+}
+
+/// Lives the path as far as it is wanted.
+fn catch_up(live: &mut Live) {
+    while live.is_behind() {
+        live.live_on().unwrap();
+    }
+}
+
+/// Looks as the page's clock would: all edges at multiples of 2^-10 s.
+fn look(live: &mut Live, gaze: [f64; 2], parts: u32) {
+    let end = live.now() + f64::from(parts) / 1024.0;
+    live.look(gaze, end).unwrap();
+}
+
+fn act(live: &mut Live, deed: &Deed) {
+    match deed {
+        Deed::Look(gaze, parts) => look(live, *gaze, *parts),
+        Deed::Drag(from, to, looks) => {
+            for i in 0..*looks {
+                let share = f64::from(i) / f64::from(*looks);
+                look(live, [0, 1].map(|k| from[k] + share * (to[k] - from[k])), 16);
             }
         }
-        let end = live.now() + f64::from(*parts) / 1024.0;
-        live.look(*gaze, end).unwrap();
+        Deed::Back(share) => live.go_to(share * live.now()).unwrap(),
+        Deed::Rest => live.rest().unwrap(),
+        Deed::Set(key, value) => live.set(&[((*key).into(), value.clone())]).unwrap(),
     }
+    catch_up(live);
+}
+
+fn opened(toml: &str, base: &Path) -> Live {
+    Live::open(Config::parse(toml, "test", "test", base, &[]).unwrap()).unwrap()
+}
+
+/// Lives through deeds, and ends with a look, so that there is something to save.
+fn lived(toml: &str, base: &Path, deeds: &[Deed]) -> Live {
+    let mut live = opened(toml, base);
+    deeds.iter().for_each(|deed| act(&mut live, deed));
+    look(&mut live, [0.5, 0.5], 100);
     live
 }
 
-/// Saves a path, runs it, and holds what was seen against what the eye sees on the same path.
-fn replays(mut live: Live, size: [usize; 2]) {
+/// Saves a viewing and runs it. Returns its name and the folder that holds it and, in `run`, what the run left.
+fn rerun(live: &Live) -> (String, tempfile::TempDir) {
     let folder = tempfile::tempdir().unwrap();
-    let name = view::save(&live, folder.path()).unwrap();
-    let path = folder.path().join(&name).join(format!("{name}.toml"));
-    let config = Config::load(Some(&path), &[]).unwrap();
-    let out = folder.path().join("run");
-    run::run(&config, &out, Default::default(), &Unwatched).unwrap();
-    for (i, moment) in live.path().to_vec().into_iter().enumerate() {
-        live.go_to(moment.end).unwrap();
-        while live.is_behind() {
-            live.live_on().unwrap();
-        }
-        let path = out.join(format!("seen.{:04}.exr", i + 1));
-        let (seen, _) = frames::read_exr(&path, &["R", "G", "B"], 1 << 20).unwrap();
-        let shown = live.picture(false);
-        let pixels = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y)));
-        for (x, y, k) in pixels.flat_map(|(x, y)| (0..3).map(move |k| (x, y, k))) {
-            let (seen, shown) = (seen.at(x, y, k), shown.percept.at(x, y, k));
-            assert_eq!(seen.to_bits(), shown.to_bits(), "look {i} at {x}, {y}: {seen} {shown}");
-        }
-    }
+    let name = view::save(live, folder.path()).unwrap();
+    let config = Config::load(Some(&saved(folder.path(), &name)), &[]).unwrap();
+    run::run(&config, &folder.path().join("run"), Default::default(), &Unwatched).unwrap();
+    (name, folder)
 }
 
-/// Four frames of a lamp that wanders to the right.
+fn saved(folder: &Path, name: &str) -> PathBuf {
+    folder.join(name).join(format!("{name}.toml"))
+}
+
+/// Holds what a run of a path left, `seen`, `display` and `trace.csv`, against what the eye sees on that path.
+fn replays(mut live: Live) {
+    let (_, folder) = rerun(&live);
+    let out = folder.path().join("run");
+    let trace = std::fs::read_to_string(out.join("trace.csv")).unwrap();
+    let mut rows = trace.split_inclusive('\n').filter(|row| row.starts_with(char::is_numeric));
+    for (i, moment) in live.path().to_vec().into_iter().enumerate() {
+        live.go_to(moment.end).unwrap();
+        catch_up(&mut live);
+        assert_eq!(rows.next().map(str::to_owned), live.trace(), "look {i}");
+        let shown = live.picture(false);
+        let seen = out.join(format!("seen.{:04}.exr", i + 1));
+        let (seen, _) = frames::read_exr(&seen, &["R", "G", "B"], 1 << 20).unwrap();
+        assert_eq!(bits(&seen), bits(&shown.percept), "look {i}");
+        let display = std::fs::read(out.join(format!("display.{:04}.png", i + 1))).unwrap();
+        assert!(frames::decode_png(&display).unwrap().2 == shown.srgb(), "look {i}");
+    }
+    assert_eq!(rows.next(), None);
+}
+
+fn bits(planes: &Planes) -> Vec<u64> {
+    let pixels = (0..planes.height).flat_map(|y| (0..planes.width).map(move |x| (x, y)));
+    pixels.flat_map(|(x, y)| (0..3).map(move |k| planes.at(x, y, k).to_bits())).collect()
+}
+
+/// Frames 1, 2, 4 and 5 of a lamp that wanders to the right.
 fn sequence(folder: &Path) {
-    for frame in 1..=4 {
-        let light = |i: usize| if i % 16 / 4 == frame - 1 { 500.0 + i as f32 } else { 0.5 };
+    for frame in [1, 2, 4, 5] {
+        let light = |i: usize| if i % 16 / 3 == frame - 1 { 500.0 + i as f32 } else { 0.5 };
         let samples = Samples::Float((0..16 * 8 * 3).map(light).collect());
         let planes = Planes { width: 16, height: 8, count: 3, samples };
         let path = folder.join(format!("lamp.{frame:04}.exr"));
@@ -72,26 +139,71 @@ fn sequence(folder: &Path) {
     }
 }
 
+/// Ways to show the lamp, and when each is over, s.
+const SHOWINGS: [(&str, f64); 4] = [
+    ("input.range = '1-2'\ntime.fps = 0.7", 2.0 / 0.7),
+    ("input.missing = 'hold'\ntime.times_s = [0, 0.3, 1.1, 1.7, 4, 5.7]", 5.7),
+    ("input.missing = 'hold'\ninput.range = '1-5x2'\ntime.interval_s = 0.7", 4.2),
+    ("input.range = '1,2,4'\ninput.width = 7\ntime.times_s = [0, 0.3, 1.1]", 1.9),
+];
+
+fn showing(keys: &str) -> String {
+    format!("input.frames = 'lamp.####.exr'\ninput.horizontal_fov_deg = 8.0\n{keys}\n")
+}
+
+/// A few visits; as many as PROPTEST_CASES says where that is given.
+fn visits() -> ProptestConfig {
+    let cases = std::env::var("PROPTEST_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(6);
+    ProptestConfig { cases, max_shrink_iters: 200, ..ProptestConfig::default() }
+}
+
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 6, ..ProptestConfig::default() })]
+    #![proptest_config(visits())]
 
     #[test]
     fn any_visit_is_replayed_to_the_last_bit(
         deeds in deeds(), model in prop::sample::select(vec!["auto", "tracked"])
     ) {
         let toml = format!("input = {{ width = 48 }}\nnumerics = {{ model = \"{model}\" }}");
-        replays(lived(&toml, Path::new(""), &deeds), [48, 27]);
+        replays(lived(&toml, Path::new(""), &deeds));
     }
 
     #[test]
-    fn any_visit_of_a_sequence_is_too(deeds in deeds()) {
+    fn any_visit_of_a_sequence_is_too(
+        deeds in deeds(), (keys, over) in prop::sample::select(SHOWINGS.to_vec())
+    ) {
         let folder = tempfile::tempdir().unwrap();
         sequence(folder.path());
-        let input = "input = { frames = \"lamp.####.exr\", horizontal_fov_deg = 8.0 }";
-        let live = lived(&format!("{input}\ntime = {{ fps = 0.7 }}"), folder.path(), &deeds);
-        prop_assert!(live.now() <= 4.0 / 0.7 + 1e-9, "a sequence has an end");
-        replays(live, [16, 8]);
+        let live = lived(&showing(keys), folder.path(), &deeds);
+        prop_assert!(live.now() <= over + 1e-9, "a sequence has an end");
+        replays(live);
     }
+}
+
+#[test]
+fn a_saved_viewing_of_a_sequence_opens_at_its_end_and_goes_on_to_the_end_of_the_frames() {
+    for (keys, over) in SHOWINGS {
+        let frames = tempfile::tempdir().unwrap();
+        sequence(frames.path());
+        let live = lived(&showing(keys), frames.path(), &[Deed::Look([0.2, 0.3], 700)]);
+        let (name, folder) = rerun(&live);
+        let config = Config::load(Some(&saved(folder.path(), &name)), &[]).unwrap();
+        let mut again = Live::open(config).unwrap();
+        catch_up(&mut again);
+        assert_eq!((again.now(), again.trace()), (live.now(), live.trace()), "{keys}");
+        while again.look([0.8, 0.5], again.now() + 0.25).unwrap() {}
+        approx::assert_relative_eq!(again.now(), over, max_relative = 1e-12);
+        replays(again);
+    }
+}
+
+#[test]
+fn a_setting_of_the_display_is_seen_at_once() {
+    let mut live = opened("input.width = 32\ndisplay.tone = 'exposure'", Path::new(""));
+    look(&mut live, [0.5, 0.5], 100);
+    let before = live.picture(false).srgb();
+    act(&mut live, &Deed::Set("display.exposure_ev", json!(-9.5)));
+    assert_ne!(live.picture(false).srgb(), before);
 }
 
 /// What a configuration with these tables is refused for, beside a path with these rows.

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use clap::Args;
 
+use sungaze::config::settings::Scene;
 use sungaze::error::{Error, Result};
 use sungaze::view::View;
 
@@ -24,7 +25,7 @@ pub struct Asked {
     /// Only print the address, open no browser.
     #[arg(long)]
     no_open: bool,
-    /// Width of the built-in scene, pixels [default: the configuration's, or 960]
+    /// Width of the picture, pixels; wider frames are reduced to it [default: the configuration's, or 960]
     #[arg(long, value_name = "N")]
     width: Option<u32>,
 }
@@ -38,8 +39,8 @@ pub fn command(
 ) -> Result<ExitCode> {
     let mut config = keys.load(path, &common.set, "view")?;
     common.pool()?;
-    let built_in = config.settings.input.frames.is_none();
-    let width = asked.width.or((built_in && !config.gives("input.width")).then_some(960));
+    let silent = !config.gives("input.width") && config.settings.input.scene != Some(Scene::Field);
+    let width = asked.width.or(silent.then_some(960));
     if let Some(width) = width {
         config = config.with_values(&[("input.width".into(), width.into())])?;
     }

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use super::Wrong;
 use super::settings::{
     Aim, Channels, DisplayFile, Input, ObserverKeys, PupilKey, Scene, SetKey, Settings, Steep,
-    SurroundKey, UnitKey,
+    SurroundKey, Times, UnitKey,
 };
 use crate::observer::lens;
 
@@ -87,10 +87,9 @@ fn input(s: &Settings) -> Check {
     within("input.max_pixels", input.max_pixels as f64, 1.0, 1e12)
 }
 
-/// The keys of scenes without a file, and whether they are given.
-fn of_scenes(input: &Input) -> [(&'static str, bool); 11] {
+/// The keys of scenes without a file alone, and whether they are given.
+fn of_scenes(input: &Input) -> [(&'static str, bool); 10] {
     [
-        ("input.width", input.width.is_some()),
         ("input.sun_elevation_deg", input.sun_elevation_deg.is_some()),
         ("input.turbidity", input.turbidity.is_some()),
         ("input.horizon", input.horizon.is_some()),
@@ -105,7 +104,7 @@ fn of_scenes(input: &Input) -> [(&'static str, bool); 11] {
 }
 
 fn sunset(input: &Input) -> Check {
-    if let Some((key, _)) = of_scenes(input)[4..].iter().find(|(_, given)| *given) {
+    if let Some((key, _)) = of_scenes(input)[3..].iter().find(|(_, given)| *given) {
         return Err(((*key).into(), "belongs to input.scene = \"field\"".into()));
     }
     if input.horizontal_fov_deg.is_some() {
@@ -119,7 +118,7 @@ fn sunset(input: &Input) -> Check {
 
 fn field(s: &Settings) -> Check {
     let input = &s.input;
-    if let Some((key, _)) = of_scenes(input)[1..4].iter().find(|(_, given)| *given) {
+    if let Some((key, _)) = of_scenes(input)[..3].iter().find(|(_, given)| *given) {
         return Err(((*key).into(), "belongs to input.scene = \"sunset\"".into()));
     }
     optional("input.level", input.level, 0.0, MOST_LIGHT)?;
@@ -174,26 +173,31 @@ fn time(s: &Settings) -> Check {
     let given = [
         ("time.fps", t.fps.is_some()),
         ("time.interval_s", t.interval_s.is_some()),
-        ("time.times_s", t.listed().is_some()),
+        ("time.times_s", matches!(t.times_s, Some(Times::Listed(_)))),
+        ("time.frames_s", t.frames_s.is_some()),
     ];
     let mut ways = given.iter().filter(|(_, given)| *given);
     if let (Some((first, _)), Some((second, _))) = (ways.next(), ways.next()) {
         return Err((
             (*second).into(),
-            format!("excludes {first}: give one of fps, interval_s and times_s"),
+            format!("excludes {first}: give one of the ways to say the frames' times"),
         ));
     }
     optional("time.fps", t.fps, 1e-9, 1e9)?;
     optional("time.interval_s", t.interval_s, 1e-9, 1e9)?;
     optional("time.duration_s", t.duration_s, 1e-9, 1e9)?;
     if t.follows_the_gaze() {
-        return follows_the_gaze(s);
+        follows_the_gaze(s)?;
+    } else if t.frames_s.is_some() {
+        let problem = "belongs to times_s = \"gaze.path\"; elsewhere times_s lists these times";
+        return Err(("time.frames_s".into(), problem.into()));
     }
-    let Some(times) = t.listed() else { return Ok(()) };
-    let wrong = |found: String| {
-        let accepted = "seconds that begin at 0 and rise";
-        Err(("time.times_s".into(), format!("found {found}; accepted: {accepted}")))
-    };
+    let key = if t.frames_s.is_some() { "time.frames_s" } else { "time.times_s" };
+    t.listed().map_or(Ok(()), |times| rising(key, times))
+}
+
+fn rising(key: &str, times: &[f64]) -> Check {
+    let wrong = |found: String| wrong(key, found, "seconds that begin at 0 and rise");
     match (times.first(), times.windows(2).find(|w| w[0] >= w[1] || !w[1].is_finite())) {
         (None, _) => wrong("an empty list".into()),
         (Some(&first), _) if first != 0.0 => wrong(format!("{first} at the beginning")),

@@ -155,14 +155,18 @@ impl Config {
     }
 
     /// The TOML of a run that follows a gaze path beside it, under all else that this configuration
-    /// gives. Its frames are named so that it may lie anywhere.
-    pub fn viewing(&self, path: &str) -> Result<String> {
+    /// gives. Its frames are named so that it may lie anywhere. `still`: there is one frame, which
+    /// has no times of its own.
+    pub fn viewing(&self, path: &str, still: bool) -> Result<String> {
         let mut keys = self.keys.clone();
         remove(&mut keys, "gaze.at");
         for time in ["time.times_s", "time.duration_s"] {
             remove(&mut keys, time);
         }
         let mut changes = vec![("gaze.path", path.into()), ("time.times_s", "gaze.path".into())];
+        if let Some(times) = self.settings.time.listed().filter(|_| !still) {
+            changes.push(("time.frames_s", times.to_vec().into()));
+        }
         if let Some(frames) = &self.settings.input.frames {
             changes.push(("input.frames", self.anywhere(frames)));
         }

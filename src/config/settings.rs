@@ -58,6 +58,7 @@ impl Settings {
 pub struct Input {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub scene: Option<Scene>,
+    /// Of a built-in scene; of frames, the most: wider ones are reduced.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub width: Option<u32>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -231,6 +232,9 @@ pub struct Time {
     pub interval_s: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub times_s: Option<Times>,
+    /// Starts of a sequence's frames where `times_s` is `"gaze.path"`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frames_s: Option<Vec<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub duration_s: Option<f64>,
 }
@@ -257,11 +261,11 @@ impl Time {
         matches!(self.times_s, Some(Times::Of(_)))
     }
 
-    /// The listed times.
+    /// The listed times of frames.
     pub fn listed(&self) -> Option<&[f64]> {
         match &self.times_s {
             Some(Times::Listed(times)) => Some(times),
-            _ => None,
+            _ => self.frames_s.as_deref(),
         }
     }
 }

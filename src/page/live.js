@@ -55,6 +55,7 @@ class Live {
 
   settings(given) {
     $("title").textContent = given.title;
+    $("lead").textContent = given.notes.join("; ");
     document.title = `${given.title} - sungaze view`;
     this.controls.show(given);
     this.offerSaved(given.names);

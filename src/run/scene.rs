@@ -20,6 +20,8 @@ pub struct Scene {
     pub footage: Box<dyn Footage>,
     pub vision: Vision,
     pub pixels_per_degree: f64,
+    /// The frames by their own times, and as they are looked at.
+    pub frames: Vec<Step>,
     pub steps: Vec<Step>,
     /// The files of its frames; none for the built-in scene.
     pub files: Vec<PathBuf>,
@@ -35,22 +37,25 @@ impl Scene {
     pub fn open(config: &Config) -> Result<Scene> {
         if config.has_field() {
             let (footage, edges) = config.field()?;
-            let steps = schedule::of_field(config, &edges, footage.len())?;
+            let frames = schedule::of_field(config, &edges, footage.len())?;
             let view = view_of(config, None)?;
-            return Scene::of(config, Box::new(footage), steps, Default::default(), view);
+            return Scene::of(config, Box::new(footage), frames, Default::default(), view);
         }
         let Some(sequence) = config.sequence()? else {
             let footage = Box::new(config.scene());
-            let steps = schedule::of_still(config)?;
+            let frames = schedule::of_still(config)?;
             let view = View { horizontal_fov_deg: builtin::FIELD_DEG, ..View::default() };
-            return Scene::of(config, footage, steps, Default::default(), view);
+            return Scene::of(config, footage, frames, Default::default(), view);
         };
-        let footage = frames::open(&sequence.files, &config.read_options()?)?;
+        let mut footage = frames::open(&sequence.files, &config.read_options()?)?;
         apply_to(config, &*footage)?;
+        if let Some(width) = config.settings.input.width {
+            footage = frames::no_wider(footage, width as usize);
+        }
         let sequence = sequence
             .of_film(footage.len())
             .map_err(|problem| config.wrong("input.range", problem))?;
-        let steps = if sequence.is_still {
+        let frames = if sequence.is_still {
             schedule::of_still(config)?
         } else {
             schedule::of_sequence(
@@ -62,16 +67,17 @@ impl Scene {
             )?
         };
         let view = view_of(config, footage.header().view)?;
-        Scene::of(config, footage, steps, (sequence.files, sequence.held), view)
+        Scene::of(config, footage, frames, (sequence.files, sequence.held), view)
     }
 
     fn of(
         config: &Config,
         footage: Box<dyn Footage>,
-        steps: Vec<Step>,
+        frames: Vec<Step>,
         (files, held): (Vec<PathBuf>, Vec<u32>),
         view: View,
     ) -> Result<Scene> {
+        let steps = schedule::looks(config, &frames)?;
         let range = range_of(config, &steps)?;
         let header = footage.header();
         let pixels_per_degree = view.pixels_per_degree(header.width);
@@ -87,7 +93,7 @@ impl Scene {
                 })?
             }
         };
-        Ok(Scene { pixels_per_degree, vision, steps, files, range, held, white, footage })
+        Ok(Scene { pixels_per_degree, vision, frames, steps, files, range, held, white, footage })
     }
 
     /// The eye of `[observer]`, `[numerics]` and `[gaze]` before its first look.

@@ -38,9 +38,6 @@ const FPS: f64 = 24.0;
 /// The frames of a still that is stared at, numbered from 1.
 pub fn of_still(config: &Config) -> Result<Vec<Step>> {
     let time = &config.settings.time;
-    if time.follows_the_gaze() {
-        return of_path(config, &[]);
-    }
     let edges = match time {
         Time { times_s: Some(Times::Listed(times)), .. } => edges_of_times(config, times)?,
         Time { duration_s: Some(duration), .. } => {
@@ -71,8 +68,7 @@ pub fn of_field(config: &Config, edges: &[f64], lights: usize) -> Result<Vec<Ste
     }
     let ends = parts.iter().map(|part| part.0).chain(edges.last().copied());
     let frames = (1..).zip(parts.iter().map(|part| part.1));
-    let steps = steps(&ends.collect::<Vec<_>>(), frames);
-    if time.follows_the_gaze() { of_path(config, &steps) } else { Ok(steps) }
+    Ok(steps(&ends.collect::<Vec<_>>(), frames))
 }
 
 /// The frames of a sequence: `numbers` and the file that shows each, with the rate that the files
@@ -97,13 +93,15 @@ pub fn of_sequence(
         (None, Some(times)) => edges_of_film(times, shows),
         (None, None) => edges_of_numbers(numbers, interval(time, file_fps.unwrap_or(FPS))),
     };
-    let frames = steps(&edges, numbers.iter().copied().zip(shows.iter().copied()));
-    if time.follows_the_gaze() { of_path(config, &frames) } else { Ok(frames) }
+    Ok(steps(&edges, numbers.iter().copied().zip(shows.iter().copied())))
 }
 
-/// Frames that end at the rows of the gaze path, numbered from 1, each the light of the frame that
-/// is there when it begins. `frames`: those of a sequence, none for a still.
-fn of_path(config: &Config, frames: &[Step]) -> Result<Vec<Step>> {
+/// How frames are looked at: one after the other, or by the gaze path. Then looks end at its rows,
+/// are numbered from 1, and each is at the light of the frame that is there when it begins.
+pub fn looks(config: &Config, frames: &[Step]) -> Result<Vec<Step>> {
+    if !config.settings.time.follows_the_gaze() {
+        return Ok(frames.to_vec());
+    }
     let ends = Gaze::of(config)?.rows();
     if ends.first().is_some_and(|&(end, _)| end <= 0.0) {
         return Err(config.wrong("gaze.path", "its first frame ends at 0 s; accepted: later"));
@@ -173,7 +171,7 @@ fn edges_of_times(config: &Config, times: &[f64]) -> Result<Vec<f64>> {
 
 /// Starts, one a frame (the last frame lasts as long as the one before), or one more: the end.
 fn edges_of_frames(config: &Config, times: &[f64], frames: usize) -> Result<Vec<f64>> {
-    let mut edges = times.to_vec();
+    let (time, mut edges) = (&config.settings.time, times.to_vec());
     match times {
         _ if times.len() == frames + 1 => {}
         [.., before, last] if times.len() == frames => edges.push(last + (last - before)),
@@ -184,7 +182,8 @@ fn edges_of_frames(config: &Config, times: &[f64], frames: usize) -> Result<Vec<
                 times.len(),
                 frames + 1
             );
-            return Err(config.wrong("time.times_s", problem));
+            let listed = if time.frames_s.is_some() { "time.frames_s" } else { "time.times_s" };
+            return Err(config.wrong(listed, problem));
         }
     }
     Ok(edges)

@@ -16,8 +16,9 @@ use crate::config::Config;
 use crate::display::{Display, ToneMap};
 use crate::error::Result;
 use crate::eye::{self, Eye, Look, Stimulus};
-use crate::light::{Planes, Survey};
-use crate::run::{Gaze, Loaded, Scene};
+use crate::light::Planes;
+use crate::run::schedule::Step;
+use crate::run::{Gaze, Loaded, Scene, record};
 use crate::units::Seconds;
 
 /// One look of a path.
@@ -45,10 +46,10 @@ pub struct Live {
     reel: Reel,
     loaded: (usize, Loaded),
     display: Display,
-    /// Luminances of the light as it was seen last, veil and all.
-    survey: Arc<Survey>,
     map: Arc<ToneMap>,
     eye: Eye,
+    /// The last look, without its percept.
+    look: Look,
     /// The light itself, as an eye sees it that nothing has bleached.
     before: Arc<Planes>,
     percept: Arc<Planes>,
@@ -71,14 +72,14 @@ impl Live {
         let scene = Scene::open(&config)?;
         let saved = config.settings.time.follows_the_gaze();
         let still = scene.footage.len() == 1;
-        let reel = Reel::new(&scene.steps, still);
+        let reel = Reel::new(&scene.frames, still);
         let first = reel.file(0.0);
         let loaded = scene.sequence(Some(Vec::new())).load(first, None)?;
         let display = config.display();
         let eye = scene.eye(&config)?;
-        let Look { percept, survey, .. } = unbleached(&config, &scene, &loaded)?;
-        let map = Arc::new(display.follow(None, &survey, Seconds(0.0)));
-        let before = Arc::new(percept);
+        let (look, before) = parted(unbleached(&config, &scene, &loaded)?);
+        let map = Arc::new(display.follow(None, &look.survey, Seconds(0.0)));
+        let before = Arc::new(before);
         let gaze = first_gaze(&config, &scene, &loaded)?;
         let head = Head::rested([before.width, before.height], gaze);
         let path = if saved { recorded(&config)? } else { Vec::new() };
@@ -93,9 +94,9 @@ impl Live {
             reel,
             loaded: (first, loaded),
             display,
-            survey,
             map,
             eye,
+            look,
             before,
             head,
             path,
@@ -115,14 +116,14 @@ impl Live {
     /// The configuration of a run that follows this path, beside it in a file of this name.
     ///
     /// # Errors
-    /// A sequence whose frames have listed times: a path's own times would take their place.
+    /// A configuration that TOML cannot hold: never.
     pub fn viewing(&self, path: &str) -> Result<String> {
-        let listed = self.config.settings.time.listed().is_some();
-        if listed && !self.reel.is_still() {
-            let problem = "a viewing of a sequence needs fps or interval_s in its place";
-            return Err(self.config.wrong("time.times_s", problem));
-        }
-        self.config.viewing(path)
+        self.config.viewing(path, self.reel.is_still())
+    }
+
+    /// What the reader passed over, assumed or did, one sentence each.
+    pub fn notes(&self) -> &[String] {
+        &self.scene.footage.header().notes
     }
 
     /// The path, as far as it is known.
@@ -210,15 +211,14 @@ impl Live {
         if let Some(spare) = self.spare.take() {
             self.eye.recycle(spare);
         }
-        let look = self.eye.look_at(stimulus(light), at, Seconds(duration));
+        let (look, percept) = parted(self.eye.look_at(stimulus(light), at, Seconds(duration)));
         self.map = Arc::new(self.display.follow(Some(&self.map), &look.survey, Seconds(duration)));
-        self.survey = look.survey.clone();
         let pixel = [0, 1].map(|i| (at[i].round().max(0.0) as usize).min(self.head.size[i] - 1));
         let p = self.eye.fractions_at(&look, pixel);
         self.head = Head { time: end, duration, p, gaze, ..self.head };
         (self.head.pupil_mm, self.head.fovea) = (look.pupil.0, look.adapting.0);
         self.path[self.lived].p = p.map(|p| p as f32);
-        self.percept = Arc::new(look.percept);
+        (self.look, self.percept) = (look, Arc::new(percept));
         self.lived += 1;
         let size = 8 * self.eye.retina().fractions().len();
         let seen = || Seen { eye: self.eye.state(), map: self.map.clone() };
@@ -251,6 +251,15 @@ impl Live {
         }
     }
 
+    /// The row that `trace.csv` of a run has for the last look; `None` before the first.
+    pub fn trace(&self) -> Option<String> {
+        let last = self.lived.checked_sub(1)?;
+        let start = last.checked_sub(1).map_or(0.0, |i| self.path[i].end);
+        let duration = self.path[last].end - start;
+        let step = Step { number: self.lived as u32, file: self.loaded.0, start, duration };
+        Some(record::trace_row(&self.eye, &self.loaded.1.frame.planes, &self.look, &step))
+    }
+
     /// Sets keys of the configuration, of which null is the default. Other displays show the last
     /// look anew; another observer has the whole path to live again.
     ///
@@ -259,10 +268,10 @@ impl Live {
     pub fn set(&mut self, keys: &[(String, Value)]) -> Result<()> {
         let config = self.config.with_values(keys)?;
         if keys.iter().all(|(key, _)| key.starts_with("display.")) && self.reel.is_still() {
-            self.display = self.config.display();
-            self.map = Arc::new(self.display.follow(None, &self.survey, Seconds(0.0)));
-            self.keys.each(|state| state.map = self.map.clone());
             self.config = config;
+            self.display = self.config.display();
+            self.map = Arc::new(self.display.follow(None, &self.look.survey, Seconds(0.0)));
+            self.keys.each(|state| state.map = self.map.clone());
             return Ok(());
         }
         let mut other = Live::open(config)?;
@@ -286,6 +295,12 @@ fn first_gaze(config: &Config, scene: &Scene, light: &Loaded) -> Result<[f64; 2]
     let brightest = || eye::brightest(&scene.vision, &light.frame.planes, &light.survey);
     let at = Gaze::of(config)?.at_first(brightest, size);
     Ok([0, 1].map(|i| ((at[i] + 0.5) / size[i] as f64).clamp(0.0, 1.0)))
+}
+
+/// A look and its percept, each by itself.
+fn parted(mut look: Look) -> (Look, Planes) {
+    let percept = std::mem::replace(&mut look.percept, Planes::float(0, 0, 0));
+    (look, percept)
 }
 
 /// The look of an eye that nothing bleaches.

@@ -192,7 +192,7 @@ impl Pace {
         let title = &self.live.config().name;
         exchange.say(
             "settings",
-            json!({ "config": settings, "constants": constants, "names": names, "title": title }),
+            json!({ "config": settings, "constants": constants, "names": names, "title": title, "notes": self.live.notes() }),
         );
         exchange.say("history", self.history());
     }

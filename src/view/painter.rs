@@ -28,6 +28,16 @@ pub struct Picture {
     pub map: Arc<ToneMap>,
 }
 
+impl Picture {
+    /// The picture as sRGB, three bytes a pixel, as `display.####.png` has it.
+    pub fn srgb(&self) -> Vec<u8> {
+        let [width, height] = self.head.size;
+        let mut rgb = vec![0; 3 * width * height];
+        self.display.picture(&self.percept, &self.to_srgb, &self.map, &mut rgb);
+        rgb
+    }
+}
+
 /// A painter with its memory.
 #[derive(Default)]
 pub struct Painter {
