@@ -4,6 +4,7 @@
 //! * Which files: `sequence`, with `pattern` and `range`.
 //! * A picture file and its format: `picture`, `options`; one format each: `exr_*`, `radiance`,
 //!   `*_picture`, `envi*`, `film*`, listed in `FORMATS`. Footage of many files: `footage`.
+//! * Fewer pixels: `reduced`, by the means of [`area`].
 //! * Codes made for a display to light: `displayed`, `transfer`.
 //! * What channels mean: `names`, `channels`. What is wrong with samples: `census`.
 //! * Scenes without a file: [`builtin`], [`uniform`].
@@ -11,6 +12,7 @@
 //!   [`atomic`].
 //! * What a file holds, for people: `inspect*`, `exr_description`.
 
+pub mod area;
 pub mod atomic;
 pub mod builtin;
 mod census;

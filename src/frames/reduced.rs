@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use crate::error::Result;
+use crate::frames::area::{covered, reduced};
 use crate::frames::picture::{Footage, Header};
-use crate::light::reduced::{covered, reduced};
 use crate::light::{Frame, Planes};
 use crate::vision::{Projection, SampledSpectra};
 

@@ -10,7 +10,6 @@
 //!   planes.
 
 mod halves;
-pub mod reduced;
 mod survey;
 mod tile;
 

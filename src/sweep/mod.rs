@@ -28,8 +28,7 @@ use crate::config::{Case, Config, Sweep};
 use crate::display::ToneMap;
 use crate::error::{Error, Result};
 use crate::eye::Look;
-use crate::frames::atomic;
-use crate::light::reduced;
+use crate::frames::{area, atomic};
 use crate::plot::marks::Marks;
 use crate::run::report::Timing;
 use crate::run::writer::Finished;
@@ -227,7 +226,7 @@ impl Cells<'_> {
         let mut eye = CaseEye::new(&case.config, scene)?;
         let (mut file, mut light) = (opened.first_file(), first.clone());
         let planes = &first.frame.planes;
-        let size = reduced::size([planes.width, planes.height], self.side);
+        let size = area::size([planes.width, planes.height], self.side);
         let (mut rows, mut pictures, mut steady) =
             (table::header(&self.sweep.keys), Vec::new(), Vec::new());
         let (mut bad_frames, mut past_limit) =
@@ -247,7 +246,7 @@ impl Cells<'_> {
             let duration = self.sweep.durations[cell];
             let at = table::Cell { case: case.number, duration, values: &case.values };
             rows += &table::rows(&at, &seen.readings, &seen.steady, &case.config.pigments());
-            let small = reduced::reduced(&seen.look.percept, size);
+            let small = area::reduced(&seen.look.percept, size);
             pictures.extend(writer.picture(&small, map));
             steady = seen.steady;
             if self.sweep.pictures {
