@@ -50,7 +50,7 @@ fn luminance_of_ones(bands: &Bands) -> f64 {
 
 #[test]
 fn a_surround_as_bright_as_a_uniform_picture_leaves_its_light_as_it_is() {
-    let bands = Light::Bands(Bands::uniform(395.0, 705.0, 31).unwrap());
+    let bands = Light::Bands(Bands::uniform(390.0, 830.0, 44).unwrap());
     for light in [grey(), bands] {
         let frame = equal_energy(&light, [48, 32]) * 3e3;
         let mut eye = eye(&light, [48, 32], Nits(3e3));

@@ -229,6 +229,8 @@ impl Optics {
 }
 
 #[cfg(test)]
+mod double;
+#[cfg(test)]
 mod published;
 #[cfg(test)]
 mod tests;

@@ -2,6 +2,7 @@
 
 use crate::light::Samples;
 
+use super::double::veil_in_double;
 use super::gaussians::Gaussians;
 use super::*;
 use half::f16;
@@ -377,8 +378,34 @@ fn the_veil_of_the_sun_is_the_same_whatever_the_crop() {
         let r = exchanged(&mut optics(&cie(), [width, height], degrees, 3e-3), &s, None);
         veil_at(&r, degrees, 0.0, 2.0)
     };
-    let ratio = at(480, 270) / at(960, 540);
-    assert!((ratio - 1.0).abs() < 2e-3, "{ratio}");
+    for width in [472, 476, 480, 484, 488] {
+        let ratio = at(width, 270) / at(960, 540);
+        assert!((ratio - 1.0).abs() < 1e-4, "{width}: {ratio}");
+    }
+}
+
+/// The noon sun in its sky, 1 100 to 1.6e9 cd/m2.
+fn noon(size: [usize; 2]) -> Planes {
+    picture(size, |x, y| {
+        let r = (x as f64 - 101.3).hypot(y as f64 - 60.8) / 30.0;
+        if r < RADIUS { 1.6e9 } else { (1100.0 + 4e3 * (-r).exp()) as f32 }
+    })
+}
+
+#[test]
+fn single_floats_keep_the_veil_of_the_noon_sun_at_every_place() {
+    let size = [240, 135];
+    let s = noon(size);
+    for depth in DEPTHS {
+        let mut optics = Optics::at_depth(&cie(), size, 1.0 / 30.0, 1, depth).unwrap().unwrap();
+        let r = exchanged(&mut optics, &s, None);
+        let [veil, covered] =
+            [&s, &picture(size, |_, _| 1.0)].map(|s| veil_in_double(&optics.sum, &depth, s));
+        let exact = |i: usize| f64::from(floats(&s)[i]) * (1.0 - covered[i]) + veil[i];
+        let errors = floats(&r).iter().enumerate().map(|(i, r)| f64::from(*r) / exact(i) - 1.0);
+        let worst = errors.map(f64::abs).fold(0.0, f64::max);
+        assert!(worst < ROUNDING, "{depth:?}: {worst:e}");
+    }
 }
 
 /// What a neutral filter does to bands it does to their projections.
