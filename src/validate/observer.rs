@@ -3,6 +3,7 @@
 
 use crate::colour::Primaries;
 use crate::error::Result;
+use crate::frames::builtin::sun_radiance;
 use crate::light::{Planes, Samples};
 use crate::observer::{Adapting, CONES, Observer};
 use crate::spectrum::{CIE1931, CONE_PIECES, Curve};
@@ -25,8 +26,8 @@ pub(super) fn checks(subject: &Subject) -> Result<Vec<Check>> {
         [0.98353, 1.15500, 2.05021],
     ));
     checks.push(rebuilt(&wide));
-    checks.extend(photometry(&standard, "2 deg", 646.083, [1.0007, 0.9957]));
-    checks.extend(photometry(&wide, "10 deg", 610.605, [0.9917, 0.9533]));
+    checks.extend(photometry(&standard, "2 deg", 646.083, [1.0007, 0.9957, 1.013]));
+    checks.extend(photometry(&wide, "10 deg", 610.605, [0.9917, 0.9533, 0.917]));
     checks.extend(narrowing(&wide));
     checks.extend(rayleigh(&standard, "2 deg", &[(0.8, 0.0715), (0.5, 0.183), (0.1, 0.339)]));
     checks.extend(rayleigh(&wide, "10 deg", &[(0.5, 0.1425)]));
@@ -74,16 +75,21 @@ fn rebuilt(eye: &Observer) -> Check {
     )
 }
 
-/// K, and what this observer reads of 1 cd/m2 of CIE 1931: equal energy, a 2900 K lamp.
-fn photometry(eye: &Observer, field: &str, k: f64, expected: [f64; 2]) -> Vec<Check> {
+/// K, and what this observer reads of 1 cd/m2 of CIE 1931: equal energy, a 2900 K lamp,
+/// the sun half a degree above the horizon.
+fn photometry(eye: &Observer, field: &str, k: f64, expected: [f64; 3]) -> Vec<Check> {
     let planck = |nm: f64| 1.0 / (nm.powi(5) * ((1.438_776_9e7 / (nm * 2900.0)).exp() - 1.0));
     let read = |light: Curve| {
         let own = eye.lumens_per_watt * light.times(&eye.luminous_efficiency()).integral();
         let y = Curve::sampled(|nm| CIE1931.interpolated("y", nm));
         own / (LUMENS_PER_WATT * light.times(&y).integral())
     };
-    let lights =
-        [("equal energy", Curve::sampled(|_| 1.0)), ("a 2900 K lamp", Curve::sampled(planck))];
+    let low_sun = |nm: f64| sun_radiance(nm, 0.5, 2.5);
+    let lights = [
+        ("equal energy", Curve::sampled(|_| 1.0)),
+        ("a 2900 K lamp", Curve::sampled(planck)),
+        ("the low sun", Curve::sampled(low_sun)),
+    ];
     let mut checks = vec![Check::new(
         format!("K, lm/W, {field}"),
         "683.002 Y_1931(D65)/Y_own(D65)",
