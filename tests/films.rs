@@ -389,6 +389,43 @@ fn traced(folder: &Path, keys: &str) -> Vec<Vec<String>> {
     rows.lines().skip(1).map(|row| row.split(',').map(str::to_owned).collect()).collect()
 }
 
+/// The most memory that a run of a film of so many frames has held, kB, as Linux counts it.
+#[cfg(target_os = "linux")]
+fn most_memory(folder: &Path, frames: u8) -> u64 {
+    let raw: Vec<u8> = (0..frames).flat_map(|i| vec![60 + i % 100; 320 * 180 * 3 / 2]).collect();
+    let input = ["-pix_fmt", "yuv420p", "-s", "320x180", "-r", "24"];
+    let path = film(folder, "long.mkv", &raw, &input, &SDR);
+    let mut run = program()
+        .args(["run", "--fov", "20", "--quiet", "--overwrite", "--set", "input.peak_cd_m2=400"])
+        .args(["--set", "output.checkpoint_s=1e9", "--set", "output.range=1", "--out"])
+        .arg(folder.join("o"))
+        .arg(&path)
+        .spawn()
+        .unwrap();
+    let status = format!("/proc/{}/status", run.id());
+    let mut most = 0;
+    while run.try_wait().unwrap().is_none() {
+        let status = std::fs::read_to_string(&status).unwrap_or_default();
+        let held = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        let held = held.and_then(|held| held.trim().strip_suffix(" kB")?.parse().ok());
+        most = most.max(held.unwrap_or(0));
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    assert!(run.wait().unwrap().success());
+    most
+}
+
+/// A frame's planes are 691 kB: were one kept of each, 220 frames would hold 150 MB more.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_long_film_needs_no_more_memory_than_a_short_one() {
+    if has_ffmpeg() {
+        let folder = tempfile::tempdir().unwrap();
+        let [short, long] = [30, 250].map(|frames| most_memory(folder.path(), frames));
+        assert!(short > 1000 && long < short + 16_000, "{short} kB, then {long} kB");
+    }
+}
+
 #[test]
 fn a_film_of_variable_rate_is_seen_at_its_own_times() {
     if !has_ffmpeg() {

@@ -5,7 +5,7 @@
 //! Frames are shown when the film says, at whatever rate. PQ is absolute; other curves need the
 //! display's peak (`input.peak_cd_m2`).
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
@@ -16,10 +16,11 @@ use crate::frames::film_child::Decoder;
 use crate::frames::film_probe::{Stream, Told, probe};
 use crate::frames::film_yuv::Layout;
 use crate::frames::options::ReadOptions;
-use crate::frames::picture::{Footage, Format, Header, Kind, believable, canvas, examined};
-use crate::frames::transfer::{Table, Transfer, coded_primaries, coded_transfer};
+use crate::frames::picture::{Footage, Format, Header, Kind, believable, canvas};
+use crate::frames::transfer::{Transfer, coded_primaries, coded_transfer};
 use crate::frames::turn::Turn;
-use crate::light::{Frame, Planes};
+use crate::kernel::Curve;
+use crate::light::{Frame, Planes, Samples, Tally};
 use crate::units::Nits;
 use crate::vision::Projection;
 
@@ -39,14 +40,12 @@ pub(super) static FORMAT: Format = Format {
 const ROWS: usize = 16;
 
 struct Film {
-    path: PathBuf,
     layout: Layout,
     transfer: Transfer,
-    table: Table,
+    curve: Curve,
     turn: Turn,
     header: Header,
     times: Vec<f64>,
-    options: ReadOptions,
     decoder: Mutex<Decoder>,
 }
 
@@ -75,14 +74,12 @@ impl Film {
         };
         let decoder = Decoder::new(path, &layout, times.len() - 1, complaints);
         Ok(Film {
-            path: path.to_owned(),
             layout,
             transfer,
-            table: Table::of(transfer),
+            curve: Curve::of(|signal| transfer.light(signal)),
             turn,
             header,
             times,
-            options: options.clone(),
             decoder: Mutex::new(decoder),
         })
     }
@@ -93,10 +90,7 @@ impl Film {
         let mut clipped = 0;
         for (i, row) in rows.chunks_exact_mut(3 * width).enumerate() {
             self.layout.signals(codes, first + i, row, room);
-            if self.transfer != Transfer::Pq {
-                clipped += row.iter().map(|signal| u64::from(*signal >= 1.0)).sum::<u64>();
-            }
-            self.table.light(row);
+            clipped += self.curve.apply(row);
             if let Transfer::Hlg(_) = self.transfer {
                 let (red, rest) = row.split_at_mut(width);
                 let (green, blue) = rest.split_at_mut(width);
@@ -105,7 +99,8 @@ impl Film {
                 }
             }
         }
-        clipped
+        // The light of PQ ends at 10 000 cd/m2, where hardly anything was cut off.
+        if self.transfer == Transfer::Pq { 0 } else { clipped }
     }
 
     /// The planes the right way up.
@@ -224,8 +219,9 @@ impl Footage for Film {
             .sum();
         drop(decoder);
         let (width, height) = (self.header.width, self.header.height);
-        let mut frame = examined(&self.path, self.turned(planes), (width, height), &self.options)?;
-        frame.tally.clipped = clipped;
-        Ok(frame)
+        // A curve's light is finite and never negative.
+        let samples = Samples::Float(self.turned(planes));
+        let tally = Tally { clipped, ..Tally::default() };
+        Ok(Frame { planes: Planes { width, height, count: 3, samples }, tally })
     }
 }

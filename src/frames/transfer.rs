@@ -94,32 +94,6 @@ impl TransferKey {
     }
 }
 
-/// A curve as a table, for pictures: linear between 2^14 steps of the signal. Against the curve PQ
-/// is off by less than 2e-6 above 0.1 cd/m2.
-pub(super) struct Table(Vec<f32>);
-
-/// Steps of a table from 0 to 1.
-const STEPS: usize = 1 << 14;
-/// Signals beyond this are taken for it: 254 of limited range is 1.087.
-const HIGHEST: f32 = 1.125;
-
-impl Table {
-    pub fn of(transfer: Transfer) -> Table {
-        let steps = (HIGHEST * STEPS as f32) as usize + 1;
-        Table((0..=steps).map(|i| transfer.light(i as f64 / STEPS as f64) as f32).collect())
-    }
-
-    /// Signals to light, in place.
-    pub fn light(&self, signals: &mut [f32]) {
-        for signal in signals {
-            let place = signal.clamp(0.0, HIGHEST) * STEPS as f32;
-            let step = place as usize;
-            let (low, high) = (self.0[step], self.0[step + 1]);
-            *signal = low + (place - step as f32) * (high - low);
-        }
-    }
-}
-
 impl Display for Transfer {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
         match self {
@@ -198,6 +172,7 @@ fn system_gamma(peak: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernel::Curve;
 
     fn shown(transfer: Transfer, signal: [f64; 3]) -> [f64; 3] {
         let white = transfer.white().map_or(1.0, |white| white.0);
@@ -241,12 +216,12 @@ mod tests {
     #[test]
     fn a_table_keeps_to_its_curve() {
         for (transfer, within) in [(Transfer::Pq, 2e-6), (Transfer::BT1886, 2e-5)] {
-            let table = Table::of(transfer);
+            let table = Curve::of(|signal| transfer.light(signal));
             for i in 0..100_000 {
                 let signal = (f64::from(i) + 0.5) / 99_000.0;
                 let light = transfer.light(signal);
                 let mut found = [signal as f32];
-                table.light(&mut found);
+                table.apply(&mut found);
                 if light > 1e-3 * transfer.light(1.0) || (transfer == Transfer::Pq && light > 0.1) {
                     // A signal of single precision is itself off by 6e-8, its light by more.
                     near(f64::from(found[0]), transfer.light(f64::from(signal as f32)), within);

@@ -11,6 +11,7 @@
 mod bands;
 mod between;
 mod catch;
+mod curve;
 mod decay;
 mod exposures;
 mod extremes;
@@ -21,6 +22,7 @@ mod sums;
 pub use bands::BandSums;
 pub use between::{Between, between};
 pub use catch::{CatchForm, PlanesForm, catch, single};
+pub use curve::Curve;
 pub use decay::{ERROR, LONGEST, decay, mean_decay_short};
 pub use exposures::{ENCLOSED, Exposures, steady_each, unbleached};
 pub use extremes::{dimmest, greatest, least};
