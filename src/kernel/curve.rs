@@ -57,6 +57,7 @@ impl WithSimd for Run<'_> {
 const LANES: usize = 16;
 
 #[inline(always)]
+#[expect(clippy::manual_clamp, reason = "max and min make 0 of NaN, clamp does not")]
 fn of_chunk(table: &[f32; ROOM], signals: &mut [f32; LANES]) -> u32 {
     let (mut steps, mut between) = ([0i32; LANES], [0.0; LANES]);
     let mut reached = 0;
