@@ -123,9 +123,14 @@ fn a_run_that_is_interrupted_or_terminated_finishes_its_frame_and_can_go_on() {
 #[test]
 fn a_frame_of_hours_is_left_when_the_user_asks_to_stop() {
     let folder = tempfile::tempdir().unwrap();
-    let slow =
-        ["--out", "o", "--set", "observer.kinetics=rate-limited", "--set", "numerics.budget=1e-12"];
-    let child = start(folder.path(), &[&slow[..], &["--set", "input.width=4000"]].concat());
+    let keys = [
+        "observer.kinetics=rate-limited",
+        "numerics.model=tracked",
+        "numerics.budget=1e-12",
+        "input.width=4000",
+    ];
+    let slow = keys.iter().flat_map(|key| ["--set", key]);
+    let child = start(folder.path(), &["--out", "o"].into_iter().chain(slow).collect::<Vec<_>>());
     assert_eq!(signalled(child, "-INT", &folder.path().join("o/trace.csv")), Some(130));
 }
 

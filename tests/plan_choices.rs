@@ -1,12 +1,16 @@
 //! What `auto` leaves out, and that what it keeps is right.
 
+use std::path::Path;
+
 use sungaze::colour::Primaries;
+use sungaze::config::Config;
 use sungaze::eye::pigment::Model;
 use sungaze::eye::plan::SUBSTEPS;
 use sungaze::eye::{Eye, EyeBuilder, Look, Stimulus, Surround, survey};
 use sungaze::kinetics::Kinetics;
 use sungaze::light::{Planes, Samples};
 use sungaze::observer::{Observer, Rule};
+use sungaze::run::Scene;
 use sungaze::spectrum::Bands;
 use sungaze::step;
 use sungaze::units::{Degrees, Millimetres, Nits, Seconds, Trolands};
@@ -150,4 +154,19 @@ fn a_bright_surround_has_bleached_the_places_that_the_picture_reaches() {
         seen.at(35, 1, 1) < 0.99 * planes.at(35, 1, 1)
             || seen.at(5, 1, 1) < 0.99 * planes.at(5, 1, 1)
     );
+}
+
+#[test]
+fn a_budget_that_no_plan_can_keep_is_refused_and_the_least_is_told() {
+    let set = |keys: &[&str]| {
+        let text = "[input]\nscene = \"sunset\"\nwidth = 16\n";
+        let keys: Vec<String> = keys.iter().map(|key| (*key).to_owned()).collect();
+        let config = Config::parse(text, "c.toml", "c", Path::new(""), &keys).unwrap();
+        Scene::open(&config).and_then(|scene| scene.eye(&config)).map(drop)
+    };
+    let refused = set(&["numerics.budget=1e-5"]).unwrap_err().to_string();
+    assert!(refused.contains("numerics.budget") && refused.contains("accepted: "), "{refused}");
+    let least = refused.split("accepted: ").nth(1).unwrap().split(' ').next().unwrap();
+    set(&[&format!("numerics.budget={least}")]).unwrap();
+    set(&["numerics.budget=1e-5", "numerics.model=tracked"]).unwrap();
 }

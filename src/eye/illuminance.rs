@@ -49,7 +49,7 @@ impl IlluminanceOperator {
         // Beside the catches: one illuminance a cone, or one for each cone and level.
         let rows = if mm_per_degree.is_some() { vision.moment_count() } else { first + 3 };
         let bands = held.then(|| {
-            let mut sums = BandSums::new(rows, planes);
+            let mut sums = BandSums::new(rows);
             let kept = if mm_per_degree.is_some() { rows } else { first };
             (0..kept).for_each(|row| {
                 sums.set(row, (0..planes).map(|band| vision.moment_weight(row, band) as f32))

@@ -11,8 +11,11 @@ use crate::frames::picture::{Footage, Format, Header, Kind};
 use crate::light::{Planes, Tally};
 use crate::vision::Projection;
 
-/// Bands that are looked at in one reading of a spectral file.
-const AT_ONCE: usize = 8;
+/// Bytes of a frame's bands that are looked at in one reading of a spectral file.
+const AT_ONCE: usize = 1 << 28;
+
+/// Bands of a large frame that are looked at in one reading.
+const FEW: usize = 8;
 
 /// What a file holds.
 #[derive(Clone, Debug, Serialize)]
@@ -148,13 +151,15 @@ fn rgb_ranges(picture: &dyn Footage, weights: Option<Vec<f64>>) -> Result<Ranges
 
 /// Reads a few bands at a time, so that a frame is never held whole.
 fn band_ranges(picture: &dyn Footage, bands: usize, weights: Option<Vec<f64>>) -> Result<Ranges> {
-    let unit = |band: usize| (0..bands).map(move |i| if i == band { 1.0 } else { 0.0 });
+    let header = picture.header();
+    let of_band = size_of::<f32>() * header.width * header.height;
+    let at_once = (AT_ONCE / of_band.max(1)).clamp(FEW, bands.max(FEW));
     let mut ranges = Vec::new();
     let mut tally = Tally::default();
-    for first in (0..bands).step_by(AT_ONCE) {
-        let chosen = first..bands.min(first + AT_ONCE);
-        let (rows, weights) = (chosen.len(), chosen.flat_map(unit).collect());
-        let read = picture.read(0, Some(&Projection::new(bands, rows, weights)), None)?;
+    for first in (0..bands).step_by(at_once) {
+        let chosen = first..bands.min(first + at_once);
+        let rows = chosen.len();
+        let read = picture.read(0, Some(&Projection::choice(bands, chosen)), None)?;
         ranges.extend((0..rows).map(|i| range(&read.planes, |x, y| read.planes.at(x, y, i))));
         tally = read.tally;
     }

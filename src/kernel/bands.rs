@@ -23,27 +23,73 @@ const AHEAD: usize = 96;
 #[derive(Clone, Debug, PartialEq)]
 pub struct BandSums {
     rows: usize,
-    /// Group after group: the weights of its sums in each band, in order of bands; zeros fill the
-    /// last group.
-    groups: Vec<Vec<[f32; GROUP]>>,
+    groups: Vec<Group>,
+}
+
+/// Weights of [`GROUP`] sums; zeros fill the last group.
+#[derive(Clone, Debug, Default, PartialEq)]
+struct Group {
+    /// The first band that has a weight.
+    first: usize,
+    /// From there on, band after band, to the last that has one.
+    weights: Vec<[f32; GROUP]>,
+}
+
+impl Group {
+    fn set(&mut self, row: usize, band: usize, weight: f32) {
+        if self.weights.is_empty() {
+            self.first = band;
+        }
+        if band < self.first {
+            let before = self.first - band;
+            self.weights.splice(0..0, std::iter::repeat_n([0.0; GROUP], before));
+            self.first = band;
+        }
+        let count = self.weights.len().max(band - self.first + 1);
+        self.weights.resize(count, [0.0; GROUP]);
+        self.weights[band - self.first][row] = weight;
+    }
+
+    fn covers(&self, band: usize) -> bool {
+        (self.first..self.first + self.weights.len()).contains(&band)
+    }
+
+    fn weight(&self, row: usize, band: usize) -> f32 {
+        let of_band = band.checked_sub(self.first).and_then(|i| self.weights.get(i));
+        of_band.map_or(0.0, |weights| weights[row])
+    }
 }
 
 impl BandSums {
-    /// So many sums over so many bands, all of them zero.
-    pub fn new(rows: usize, bands: usize) -> Self {
-        BandSums { rows, groups: vec![vec![[0.0; GROUP]; bands]; rows.div_ceil(GROUP)] }
+    /// So many sums, all of them zero.
+    pub fn new(rows: usize) -> Self {
+        BandSums { rows, groups: vec![Group::default(); rows.div_ceil(GROUP)] }
     }
 
     /// Gives a sum its weights, one a band.
     pub fn set(&mut self, row: usize, weights: impl Iterator<Item = f32>) {
-        for (of_band, weight) in self.groups[row / GROUP].iter_mut().zip(weights) {
-            of_band[row % GROUP] = weight;
+        weights.enumerate().for_each(|(band, weight)| self.put(row, band, weight));
+    }
+
+    /// Gives a sum its weight in a band.
+    pub fn put(&mut self, row: usize, band: usize, weight: f32) {
+        let group = &mut self.groups[row / GROUP];
+        if weight != 0.0 || group.covers(band) {
+            group.set(row % GROUP, band, weight);
         }
+    }
+
+    /// The sums that a band has a weight in, and it.
+    pub fn of_band(&self, band: usize) -> impl Iterator<Item = (usize, f32)> + '_ {
+        let groups = self.groups.iter().enumerate().filter(move |(_, group)| group.covers(band));
+        groups.flat_map(move |(i, group)| {
+            (0..GROUP).map(move |row| (GROUP * i + row, group.weight(row, band)))
+        })
     }
 
     /// The weight of a sum in a band.
     pub fn weight(&self, row: usize, band: usize) -> f32 {
-        self.groups[row / GROUP][band][row % GROUP]
+        self.groups[row / GROUP].weight(row % GROUP, band)
     }
 
     /// How many sums.
@@ -116,7 +162,7 @@ impl Project<'_> {
         let ahead = self.light.ahead(at, AHEAD);
         let places = VECTORS * S::F32_LANES;
         let mut totals = [[simd.splat_f32s(0.0); VECTORS]; ROWS];
-        for (band, weights) in group.iter().enumerate() {
+        for (band, weights) in (group.first..).zip(&group.weights) {
             let run = &self.light.plane(band)[at..][..places];
             if from == 0 {
                 for i in 0..VECTORS {
@@ -149,7 +195,7 @@ mod tests {
         let rows: Vec<Vec<f32>> = (0..7)
             .map(|r| (0..bands).map(|b| ((r * 13 + b * 7) % 17) as f32 - 8.0).collect())
             .collect();
-        let mut sums = BandSums::new(7, bands);
+        let mut sums = BandSums::new(7);
         rows.iter().enumerate().for_each(|(i, row)| sums.set(i, row.iter().copied()));
         let (mut best, mut plain) = (vec![0.0; 7 * width], vec![0.0; 7 * width]);
         sums.project(PlaneTile::whole(&light, width), &mut best);

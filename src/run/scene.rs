@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use crate::config::Config;
 use crate::config::settings::Input;
 use crate::error::Result;
-use crate::eye::Eye;
+use crate::eye::{Eye, plan};
 use crate::frames::{self, About, Footage, Header, Kind, Transfer, View, builtin};
 use crate::optics::Optics;
 use crate::run::eye::retina_of_file;
@@ -181,6 +181,7 @@ fn range_of(config: &Config, steps: &[Step]) -> Result<Option<Vec<u32>>> {
 /// # Errors
 /// A size or a scale is not above 0, or `observer.start` names no state of that size.
 pub fn eye_for(config: &Config, vision: Vision, size: [usize; 2], across: Degrees) -> Result<Eye> {
+    keeps_its_budget(config, &vision)?;
     let (scatter, degrees) = (config.scatter(), across.0 / size[0].max(1) as f64);
     let budget = config.settings.numerics.light_budget;
     let optics = Optics::new(&scatter, size, degrees, vision.plane_count(), budget)
@@ -240,6 +241,27 @@ fn suits(config: &Config, transfer: Transfer) -> Result<()> {
         (_, Some(_), Some(_)) => wrong(peak, "says the same as input.white_cd_m2: give one"),
         _ => Ok(()),
     }
+}
+
+/// Refuses a budget below the default's that no plan can keep. The default itself is promised to all
+/// light that it can be kept for; a plan says what it promises to the rest.
+fn keeps_its_budget(config: &Config, vision: &Vision) -> Result<()> {
+    let Some(budget) = config.budget().filter(|budget| *budget < plan::BUDGET) else {
+        return Ok(());
+    };
+    let least = plan::least_budget(vision);
+    if least.is_some_and(|least| least <= budget) {
+        return Ok(());
+    }
+    let accepted = match least {
+        Some(least) if least < plan::BUDGET => format!("{:.1e} to 1", 1.05 * least),
+        _ => format!("{:e} to 1, of which less is promised for such wide primaries", plan::BUDGET),
+    };
+    let problem = format!(
+        "found {budget:e}, less than reading pigment at a few levels and single precision keep; \
+         accepted: {accepted}; numerics.model = \"tracked\" promises no bound"
+    );
+    Err(config.wrong("numerics.budget", problem))
 }
 
 /// Luminance of (1, 1, 1): the configuration's, or else the file's. Never guessed.

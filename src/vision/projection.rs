@@ -1,6 +1,7 @@
 //! The projection of spectral frames onto the few sums that are kept of them, done block by block
 //! while a file is decoded.
 
+use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
@@ -27,19 +28,31 @@ pub struct Projection {
 impl Projection {
     /// A map with these weights, row by row.
     pub fn new(bands: usize, rows: usize, weights: Vec<f32>) -> Projection {
-        let mut sums = BandSums::new(rows, bands);
+        let mut sums = BandSums::new(rows);
         weights
             .chunks_exact(bands)
             .enumerate()
             .for_each(|(row, weights)| sums.set(row, weights.iter().copied()));
-        Projection { bands, rows, sums, stored: (0..bands).map(|i| (i, 1.0)).collect(), kept: None }
+        Projection::of_sums(bands, sums)
     }
 
     /// Every band kept as it is.
     pub fn identity(bands: usize) -> Projection {
-        let weights =
-            (0..bands * bands).map(|i| if i % (bands + 1) == 0 { 1.0 } else { 0.0 }).collect();
-        Projection::new(bands, bands, weights)
+        Projection::choice(bands, 0..bands)
+    }
+
+    /// Some of the bands as they are.
+    pub fn choice(bands: usize, chosen: Range<usize>) -> Projection {
+        let mut sums = BandSums::new(chosen.len());
+        for (row, band) in chosen.enumerate() {
+            sums.put(row, band, 1.0);
+        }
+        Projection::of_sums(bands, sums)
+    }
+
+    fn of_sums(bands: usize, sums: BandSums) -> Projection {
+        let stored = (0..bands).map(|i| (i, 1.0)).collect();
+        Projection { bands, rows: sums.rows(), sums, stored, kept: None }
     }
 
     /// The weight of a row in a band.
@@ -55,11 +68,11 @@ impl Projection {
     /// The same map for bands that are stored in another order and scale: stored band `i` is band
     /// `order[i]` of this map and is multiplied by `scale[i]` on the way.
     pub fn reordered(&self, order: &[usize], scale: &[f64]) -> Projection {
-        let mut sums = BandSums::new(self.rows, order.len());
-        for row in 0..self.rows {
-            let scaled =
-                |(&band, s): (&usize, &f64)| (f64::from(self.weight(row, band)) * s) as f32;
-            sums.set(row, order.iter().zip(scale).map(scaled));
+        let mut sums = BandSums::new(self.rows);
+        for (stored, (&band, scale)) in order.iter().zip(scale).enumerate() {
+            for (row, weight) in self.sums.of_band(band) {
+                sums.put(row, stored, (f64::from(weight) * scale) as f32);
+            }
         }
         let stored = order.iter().copied().zip(scale.iter().copied()).collect();
         Projection { bands: order.len(), rows: self.rows, sums, stored, kept: self.kept.clone() }

@@ -26,7 +26,7 @@ use crate::units::{Seconds, Trolands};
 use crate::vision::Vision;
 
 use ledger::Ledger;
-pub use terms::Term;
+pub use terms::{Term, least_budget};
 
 /// The budget where none is asked for: the largest error of p and of a catch.
 pub const BUDGET: f64 = 1e-3;

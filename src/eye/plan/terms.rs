@@ -7,9 +7,17 @@ use super::{Plan, PlanStats, growth};
 use crate::eye::pigment::{LEAST_KEPT, Model};
 use crate::kinetics::{Kinetics, Law};
 use crate::observer::directional;
+use crate::vision::Vision;
 
 /// Largest relative error of a catch from light, weights and percept in single precision.
 const SINGLE_BOUND: f64 = 1e-5;
+
+/// The least budget that can be kept for light as a vision receives it, whatever is modelled:
+/// levels and single precision take as much. `None`: no budget can, for some mixture of its
+/// primaries is no light.
+pub fn least_budget(vision: &Vision) -> Option<f64> {
+    vision.levels_bound().map(|levels| levels + directional::LEVEL_BOUND + SINGLE_BOUND)
+}
 
 /// One reduction of the full model.
 #[derive(Clone, Debug, PartialEq)]
