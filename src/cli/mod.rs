@@ -180,7 +180,7 @@ impl Common {
             return Err(Error::config("--threads", threads.to_string(), "accepted: 1 to 1024"));
         }
         let built = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
-        built.map_err(|e| Error::config("--threads", threads.to_string(), e.to_string()))
+        built.map_err(|e| Error::io("--threads", "start the threads of")(std::io::Error::other(e)))
     }
 }
 

@@ -36,6 +36,7 @@ mod footage;
 mod inspect;
 mod inspect_text;
 mod jpeg_picture;
+pub mod memory;
 mod names;
 mod options;
 mod pattern;

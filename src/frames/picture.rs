@@ -9,6 +9,7 @@ use crate::colour::Primaries;
 use crate::error::{Error, Result};
 use crate::frames::census::{Census, Mending, Sample, verdict};
 use crate::frames::exr_description::ExrDescription;
+use crate::frames::memory;
 use crate::frames::options::ReadOptions;
 use crate::frames::plate::Plate;
 use crate::frames::transfer::Transfer;
@@ -160,6 +161,9 @@ pub(super) struct Format {
 /// black frames of 3840 x 2160: PXR24 packs 1250 bytes of floats into one, ZIP 940, PIZ 400.
 pub(super) const DENSEST: u64 = 4096;
 
+/// A pixel of a decoded picture: three halves.
+const LEAST_PIXEL_BYTES: u64 = 6;
+
 /// Refuses declared sizes that are beyond `max_pixels`, or that no compression fits into the file.
 pub(super) fn believable(
     path: &Path,
@@ -180,7 +184,9 @@ pub(super) fn believable(
         let problem = format!("declares {declared} bytes of pixels in a file of {bytes} bytes");
         return Err(Error::file(path, problem));
     }
-    Ok(())
+    let what = format!("a picture of {width} x {height} pixels");
+    memory::must_hold(&what, pixels.saturating_mul(LEAST_PIXEL_BYTES))
+        .map_err(|problem| Error::file(path, problem))
 }
 
 /// Counts and mends the three planes of a picture that was decoded whole.

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use crate::config::Config;
 use crate::config::settings::Input;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::eye::{Eye, plan};
 use crate::frames::{self, About, Footage, Header, Kind, Transfer, View, builtin};
-use crate::optics::Optics;
+use crate::optics::{Optics, Psf};
 use crate::run::eye::retina_of_file;
 use crate::run::reader::Sequence;
 use crate::run::schedule::{self, Step};
@@ -182,6 +182,7 @@ fn range_of(config: &Config, steps: &[Step]) -> Result<Option<Vec<u32>>> {
 /// A size or a scale is not above 0, or `observer.start` names no state of that size.
 pub fn eye_for(config: &Config, vision: Vision, size: [usize; 2], across: Degrees) -> Result<Eye> {
     keeps_its_budget(config, &vision)?;
+    fits_memory(config, &vision, size)?;
     let (scatter, degrees) = (config.scatter(), across.0 / size[0].max(1) as f64);
     let budget = config.settings.numerics.light_budget;
     let optics = Optics::new(&scatter, size, degrees, vision.plane_count(), budget)
@@ -241,6 +242,17 @@ fn suits(config: &Config, transfer: Transfer) -> Result<()> {
         (_, Some(_), Some(_)) => wrong(peak, "says the same as input.white_cd_m2: give one"),
         _ => Ok(()),
     }
+}
+
+/// Refuses frames whose eye would not fit into the memory that is free: pigment, two frames of
+/// halves, three percepts of halves and two display pictures, and the planes of the optics.
+fn fits_memory(config: &Config, vision: &Vision, size: [usize; 2]) -> Result<()> {
+    let planes = vision.plane_count() as u64;
+    let scattered = if config.scatter().psf == Psf::None { 0 } else { 2 * 4 * planes };
+    let of_pixel = 3 * 8 + 2 * 2 * planes + 3 * 6 + 2 * 3 + scattered;
+    let pixels = size.iter().fold(1u64, |pixels, n| pixels.saturating_mul(*n as u64));
+    let what = format!("an eye for frames of {} x {} pixels", size[0], size[1]);
+    frames::memory::must_hold(&what, pixels.saturating_mul(of_pixel)).map_err(Error::light)
 }
 
 /// Refuses a budget below the default's that no plan can keep. The default itself is promised to all
