@@ -1,6 +1,6 @@
 //! `report.html` as runs and sweeps leave it: what its data say is what their files hold.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 use sungaze::config::Config;
@@ -70,4 +70,80 @@ fn a_sweeps_page_has_its_cases_by_their_keys() {
     assert_eq!(names, ["observer.age = 20", "observer.age = 60"]);
     let picture = cases[1]["frames"][1]["picture"].as_str().unwrap();
     assert!(picture.starts_with("case.0001/") && folder.path().join(picture).is_file());
+}
+
+/// The report that the README shows: the page of the default run, and its pictures.
+fn example() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("data/report")
+}
+
+/// A page without its data.
+fn code(folder: &Path) -> String {
+    let html = std::fs::read_to_string(folder.join("report.html")).unwrap();
+    let (before, rest) = html.split_once("id=\"data\">").unwrap();
+    before.to_owned() + rest.split_once("</script>").unwrap().1
+}
+
+/// All keys of nested objects, and of the first item of each list.
+fn keys(value: &Value, key: &str) -> Vec<String> {
+    let below: Vec<_> = match value {
+        Value::Object(map) => {
+            map.iter().map(|(name, v)| keys(v, &format!("{key}.{name}"))).collect()
+        }
+        Value::Array(list) => {
+            list.first().map(|v| keys(v, &format!("{key}[]"))).into_iter().collect()
+        }
+        _ => Vec::new(),
+    };
+    below.into_iter().flatten().chain([key.to_owned()]).collect()
+}
+
+const STALE: &str =
+    "data/report is of another day: `cargo test --release --test page -- --ignored` makes it anew";
+
+#[test]
+fn the_example_report_has_the_code_and_the_keys_of_todays_page_and_all_its_pictures() {
+    let folder = tempfile::tempdir().unwrap();
+    run_into(folder.path(), "input = { width = 16 }");
+    assert_eq!(code(&example()), code(folder.path()), "{STALE}");
+    let [shown, made] = [example().as_path(), folder.path()].map(data);
+    assert_eq!(keys(&shown, ""), keys(&made, ""), "{STALE}");
+    assert_eq!(shown["cases"][0]["probes"]["columns"], made["cases"][0]["probes"]["columns"]);
+    let frames = shown["cases"][0]["frames"].as_array().unwrap();
+    assert_eq!(frames.len(), 60);
+    for picture in frames.iter().map(|f| &f["picture"]).chain([&shown["cases"][0]["before"]]) {
+        let png = std::fs::read(example().join(picture.as_str().unwrap())).unwrap();
+        let (width, height, _) = sungaze::frames::decode_png(&png).unwrap();
+        assert_eq!((width, height), (480, 270), "{picture}");
+    }
+    assert_eq!(std::fs::read_dir(example()).unwrap().count(), 62, "the page and 61 pictures");
+}
+
+/// The same picture, packed as closely as PNG can.
+fn packed(png: &[u8]) -> Vec<u8> {
+    let (width, height, rgb) = sungaze::frames::decode_png(png).unwrap();
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width as u32, height as u32);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_compression(png::Compression::High);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    encoder.write_header().unwrap().write_image_data(&rgb).unwrap();
+    bytes
+}
+
+#[test]
+#[ignore = "makes data/report anew"]
+fn the_example_report_is_made_anew() {
+    let run = tempfile::tempdir().unwrap();
+    let config = Config::load(None, &["output.seen=none".into()]).unwrap();
+    run::run(&config, run.path(), Default::default(), &Unwatched).unwrap();
+    std::fs::create_dir_all(example()).unwrap();
+    for entry in std::fs::read_dir(run.path()).unwrap() {
+        let (path, to) = entry.map(|e| (e.path(), example().join(e.file_name()))).unwrap();
+        match path.extension().and_then(|e| e.to_str()) {
+            Some("html") => drop(std::fs::copy(path, to).unwrap()),
+            Some("png") => std::fs::write(to, packed(&std::fs::read(path).unwrap())).unwrap(),
+            _ => {}
+        }
+    }
 }

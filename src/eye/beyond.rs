@@ -28,10 +28,7 @@ impl<T: Between> Around<'_, T> {
     pub fn fill(&self, [x, y]: [f64; 2], k: usize, out: &mut [T]) {
         match self {
             Around::Alike(values) => out.fill(values[k]),
-            Around::Grid(grid) => {
-                let places = out.iter_mut().enumerate();
-                places.for_each(|(i, out)| *out = grid.at([x + i as f64, y], k));
-            }
+            Around::Grid(grid) => grid.fill([x, y], k, out),
         }
     }
 }
@@ -70,18 +67,64 @@ impl<T: Between> Grid<T> {
     }
 
     /// The `k`th of the three at a place, in pixels of the picture.
-    pub fn at(&self, place: [f64; 2], k: usize) -> T {
+    pub fn at(&self, [x, y]: [f64; 2], k: usize) -> T {
+        let ((column, u), (row, v)) = (self.cell(x, 0), self.cell(y, 1));
+        self.corners([column, row], k).at(u, v)
+    }
+
+    /// The same along a row, from a place on, cell by cell.
+    fn fill(&self, [x, y]: [f64; 2], k: usize, out: &mut [T]) {
+        let (row, v) = self.cell(y, 1);
+        let mut from = 0;
+        while from < out.len() {
+            let (column, _) = self.cell(x + from as f64, 0);
+            let corners = self.corners([column, row], k);
+            let end = (self.place(column + 1, 0) - x).ceil() as usize;
+            let is_last = column + 1 >= self.extent.size[0];
+            let end = if is_last { out.len() } else { end.clamp(from + 1, out.len()) };
+            for (i, out) in out[from..end].iter_mut().enumerate() {
+                *out = corners.at(self.cells(x + (from + i) as f64, 0) - column as f64, v);
+            }
+            from = end;
+        }
+    }
+
+    /// A place along one axis, counted in cells.
+    fn cells(&self, place: f64, axis: usize) -> f64 {
         let Extent { size, cell, before } = self.extent;
-        let at = [0, 1].map(|i| {
-            let cells = place[i] / cell as f64 + before[i] as f64;
-            cells.clamp(0.0, (size[i] - 1) as f64)
-        });
-        let first = at.map(|v| v as usize);
-        let share = [0, 1].map(|i| at[i] - first[i] as f64);
-        let next = [0, 1].map(|i| (first[i] + 1).min(size[i] - 1));
-        let value = |x: usize, y: usize| self.samples[(3 * y + k) * size[0] + x];
-        let row = |y: usize| value(first[0], y).between(value(next[0], y), share[0]);
-        row(first[1]).between(row(next[1]), share[1])
+        (place * (1.0 / cell as f64) + before[axis] as f64).clamp(0.0, (size[axis] - 1) as f64)
+    }
+
+    /// The cell of a place along one axis, and how far on it is to the next.
+    fn cell(&self, place: f64, axis: usize) -> (usize, f64) {
+        let cells = self.cells(place, axis);
+        (cells as usize, cells - cells.floor())
+    }
+
+    /// The place of a cell along one axis.
+    fn place(&self, cell: usize, axis: usize) -> f64 {
+        self.extent.cell as f64 * (cell as f64 - self.extent.before[axis] as f64)
+    }
+
+    fn corners(&self, [column, row]: [usize; 2], k: usize) -> Corners<T> {
+        let [width, height] = self.extent.size;
+        let (next, below) = ((column + 1).min(width - 1), (row + 1).min(height - 1));
+        let value = |x: usize, y: usize| self.samples[(3 * y + k) * width + x];
+        Corners([
+            [value(column, row), value(next, row)],
+            [value(column, below), value(next, below)],
+        ])
+    }
+}
+
+/// What lies around a cell: two values above, two below.
+struct Corners<T>([[T; 2]; 2]);
+
+impl<T: Between> Corners<T> {
+    #[inline(always)]
+    fn at(&self, u: f64, v: f64) -> T {
+        let [above, below] = self.0.map(|[left, right]| left.between(right, u));
+        above.between(below, v)
     }
 }
 
@@ -122,5 +165,27 @@ impl Grid<f32> {
             greatest[i % 3] = greatest[i % 3].max(kernel::greatest(run));
         }
         greatest
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn a_run_is_its_places(x in -90.0..90.0, y in -50.0..50.0, whole in any::<bool>()) {
+            let extent = Extent { size: [9, 5], cell: 8, before: [3, 2] };
+            let mut grid = Grid::alike(extent, [0.0; 3]);
+            (0..).zip(&mut grid.samples).for_each(|(i, v)| *v = (f64::from(i) * 0.7).sin());
+            let x = if whole { f64::round(x) } else { x };
+            for k in 0..3 {
+                let mut run = [0.0; 70];
+                grid.fill([x, y], k, &mut run);
+                let places = (0..70).map(|i| grid.at([x + f64::from(i), y], k));
+                prop_assert!(run.into_iter().zip(places).all(|(a, b)| (a - b).abs() < 1e-14));
+            }
+        }
     }
 }

@@ -87,6 +87,8 @@ class Report {
     $("time").setAttribute("aria-valuetext", `${seconds(frame.time_s)}, frame ${frame.frame}`);
     const numbers = [`frame ${frame.frame}, ends at ${seconds(frame.time_s)}`];
     if (frame.pupil_mm) numbers.push(`pupil ${short(frame.pupil_mm)} mm`);
+    const pictured = this.pictured(this.index);
+    if (pictured !== frame && pictured.picture) numbers.push(`picture of ${seconds(pictured.time_s)}`);
     if (frame.adapting_cd_m2) numbers.push(`adapting to ${short(frame.adapting_cd_m2)} cd/m\u00b2`);
     $("lead").textContent = numbers.join(", ");
     this.charts.forEach((chart) => chart.read(frame.time_s));
@@ -94,8 +96,15 @@ class Report {
     this.paint();
   }
 
+  /** The frame whose picture stands for one: its own, the last before it, or the first there is. */
+  pictured(index) {
+    const { frames } = this.case;
+    const had = (frame) => frame.picture;
+    return frames.slice(0, index + 1).reverse().find(had) ?? frames.find(had) ?? frames[index];
+  }
+
   paint() {
-    const frame = this.case.frames[this.index];
+    const frame = this.pictured(this.index);
     const before = this.picture(this.case.before);
     const after = this.picture(frame.picture);
     const wipe = this.held ? 1 : Number($("wipe").value) / 100;

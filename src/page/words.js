@@ -51,9 +51,23 @@ function constantsInWords(constants) {
   return [heading("Constants and their sources"), listed(["Constant", "Value"], rows)];
 }
 
+/** What became of one probe. */
+function resultOf(result) {
+  const triple = (values) => values.map(short).join(", ");
+  const recoveries = [50, 90, 95].map((share) => result[`recovery_${share}_s`]);
+  return [
+    ["Probe", result.probe],
+    ["Pigment left at the end, L, M, S", triple(result.p)],
+    ["Most bleached, L, M, S", triple(result.greatest_bleached)],
+    ["Most bleached at, s", triple(result.greatest_bleached_at_s)],
+    ["Luminance of the percept at the end", `${short(result.Y)} cd/m\u00b2`],
+    ["Seconds in the dark until L, M and S are back at 50, 90, 95 %", triple(recoveries)],
+  ];
+}
+
 function resultsInWords(results) {
   if (!results) return [];
-  return [heading("Results"), listed(["Result", "Value"], flat(results).map(([key, value]) => [key, written(value)]))];
+  return [heading("Results"), listed(["Result", "Value"], results.flatMap(resultOf))];
 }
 
 function warningsInWords(warnings = []) {
