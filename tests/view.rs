@@ -313,6 +313,20 @@ fn a_second_page_takes_over_and_the_first_is_told() {
 }
 
 #[test]
+fn a_page_that_outlives_the_program_is_told_of_no_other_page() {
+    let server = Server::new();
+    let mut page = server.page();
+    page.picture(|_| true);
+    drop(server);
+    while let Ok(message) = page.socket.read() {
+        assert!(!message.to_string().contains("taken"), "{message}");
+        if message.is_close() {
+            break;
+        }
+    }
+}
+
+#[test]
 fn a_changed_observer_lives_the_same_path_once_more() {
     let server = Server::new();
     let mut page = server.page();

@@ -67,8 +67,10 @@ const stage = {
   },
 };
 
-/** Whether keys are wanted by what has the focus. */
+/** Whether a key is wanted by what has the focus: sliders and radio buttons want arrows and the like, but no letters. */
 function typing(event) {
-  const tag = event.target.tagName;
-  return event.ctrlKey || event.altKey || event.metaKey || tag === "SELECT" || tag === "INPUT" || tag === "SUMMARY";
+  if (event.ctrlKey || event.altKey || event.metaKey) return true;
+  const { tagName, type } = event.target;
+  if (tagName === "INPUT") return event.key.length > 1 || (type === "checkbox" && event.key === " ");
+  return tagName === "SELECT" || tagName === "SUMMARY";
 }

@@ -10,10 +10,11 @@ class Live {
     $("keys").textContent = "Keys: space runs and pauses, arrows move the gaze (shift: far), hold B for before, R rests the eye.";
     $("time").step = "any";
     $("begin").hidden = false;
+    $("begin").focus();
     this.chart = new Chart($("curves"), { title: "Unbleached pigment p at the gaze", curves: ["L", "M", "S"], range: [0, 1], pick: (time) => this.say({ scrub: time }) });
     this.chart.linear = true;
     this.controls = new Controls((keys) => this.say({ set: keys }));
-    this.hint("Press the button, and keep looking at the sun.");
+    this.hint("Press the button or the space bar, and keep looking at the light.");
     this.offerSpeeds();
     this.listen();
     this.connect();
@@ -37,6 +38,7 @@ class Live {
   }
 
   ended() {
+    this.over = true;
     if (!this.taken) this.hint("The program has ended, or this address lacks its token: open the address that `sungaze view` printed.");
     for (const button of document.querySelectorAll("button, input, select")) button.disabled = true;
   }
@@ -170,7 +172,7 @@ class Live {
 
   play(on) {
     if (on && !this.begun) {
-      this.hint("You are staring at the ring. After a few seconds, click somewhere else to look there.");
+      this.hint("You are staring at the ring. After a few seconds, click somewhere else, or press the arrow keys, to look there.");
     }
     stage.mark(this.gaze, true);
     this.say({ play: on });
@@ -200,23 +202,36 @@ class Live {
     $("play").addEventListener("click", () => this.play(!this.playing));
     $("rest").addEventListener("click", () => this.rest());
     $("save").addEventListener("click", () => this.say({ save: true }));
-    $("saved").addEventListener("change", () => $("saved").value && this.say({ open: $("saved").value }));
+    $("saved").addEventListener("change", () => this.reopen($("saved").value));
     $("time").addEventListener("input", () => this.say({ scrub: Number($("time").value) }));
-    const before = (on) => this.say({ before: on });
-    $("before").addEventListener("pointerdown", () => before(true));
-    for (const end of ["pointerup", "pointerleave", "blur"]) $("before").addEventListener(end, () => before(false));
+    $("before").addEventListener("pointerdown", () => this.before(true));
+    for (const end of ["pointerup", "pointerleave", "blur"]) $("before").addEventListener(end, () => this.before(false));
     document.addEventListener("keydown", (event) => this.key(event));
-    document.addEventListener("keyup", (event) => event.key.toLowerCase() === "b" && before(false));
+    document.addEventListener("keyup", ({ key }) => ["b", "B", " ", "Enter"].includes(key) && this.before(false));
+  }
+
+  /** Shows the picture before anything has bleached, as long as somebody wants it. */
+  before(on) {
+    if (Boolean(this.held) === on) return;
+    this.held = on;
+    this.say({ before: on });
+  }
+
+  reopen(name) {
+    if (!name) return;
+    this.say({ open: name });
+    this.hint(`${name} is lived again; play goes on from its end.`);
   }
 
   key(event) {
-    if (typing(event)) return;
+    if (this.over || typing(event)) return;
     const step = event.shiftKey ? 0.1 : 0.01;
     const arrows = { ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, -step], ArrowDown: [0, step] };
     const key = event.key.toLowerCase();
     if (event.key in arrows) this.look(this.gaze.map((v, i) => v + arrows[event.key][i]));
+    else if ((key === " " || key === "enter") && event.target === $("before")) this.before(true);
     else if (key === " " && (event.target.tagName !== "BUTTON" || event.target === $("play"))) this.play(!this.playing);
-    else if (key === "b" && !event.repeat) this.say({ before: true });
+    else if (key === "b") this.before(true);
     else if (key === "r") this.rest();
     else return;
     event.preventDefault();

@@ -121,10 +121,11 @@ fn write(service: &Service, stream: TcpStream, page: u64) -> tungstenite::Result
                 socket.send(Frame::Binary(Bytes::from(painter.paint(seq, &picture)?)))?;
             }
             Next::Note(note) => socket.send(Frame::Text(note.into()))?,
-            Next::Over => {
+            Next::Taken => {
                 socket.send(Frame::Text("{\"taken\":true}".into()))?;
                 return socket.close(None);
             }
+            Next::End => return socket.close(None),
         }
     }
 }

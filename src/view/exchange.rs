@@ -39,8 +39,10 @@ struct Inside<P> {
 pub enum Next<P> {
     Picture(u32, Arc<P>),
     Note(String),
-    /// Another page has taken over, or the server ends.
-    Over,
+    /// Another page has taken over.
+    Taken,
+    /// The page has gone, or the server ends.
+    End,
 }
 
 impl<P> Exchange<P> {
@@ -132,8 +134,11 @@ impl<P> Exchange<P> {
     pub fn next(&self, page: u64, seq: u32) -> Next<P> {
         let mut inside = self.lock();
         loop {
-            if inside.closed || inside.page != page {
-                return Next::Over;
+            if inside.closed || inside.page == 0 {
+                return Next::End;
+            }
+            if inside.page != page {
+                return Next::Taken;
             }
             if let Some((kind, what)) = inside.notes.pop_first() {
                 return Next::Note(json!({ kind: what }).to_string());
@@ -188,7 +193,7 @@ mod tests {
     fn a_second_page_takes_over_and_the_first_is_no_longer_heard() {
         let exchange = Exchange::<i32>::new();
         let (first, second) = (exchange.come(), exchange.come());
-        assert!(matches!(exchange.next(first, 0), Next::Over));
+        assert!(matches!(exchange.next(first, 0), Next::Taken));
         exchange.ask(first, Message { speed: Some(50.0), ..Message::default() });
         exchange.ask(second, Message { speed: Some(2.0), ..Message::default() });
         assert_eq!(exchange.heed(true).unwrap().speed, Some(2.0));
