@@ -10,11 +10,14 @@
 mod adapting;
 mod beyond;
 pub mod check;
+mod context;
 mod field;
 mod illuminance;
+mod moved;
 mod percept;
 pub mod pigment;
 pub mod plan;
+mod reading;
 pub mod retina;
 mod scattered;
 mod stages;
@@ -307,6 +310,16 @@ impl Eye {
         if !(duration.0.is_finite() && duration.0 >= 0.0 && gaze.0.iter().all(|v| v.is_finite())) {
             return Err(Error::light("the gaze or the duration is not a finite number"));
         }
+        let planes = self.taken_in(frame)?;
+        let survey = Arc::new(survey(&self.vision, &planes, self.pixels_per_degree));
+        let stimulus = Stimulus::new(&planes, &survey);
+        let look = self.look_at(stimulus, gaze.pixel(self.size), duration);
+        self.frame = Some(planes);
+        Ok(look)
+    }
+
+    /// The planes of a frame in memory, projected where it is of bands.
+    fn taken_in<T: Sample>(&mut self, frame: ArrayView3<'_, T>) -> Result<Planes> {
         let [width, height] = self.size;
         let projection = self.vision.projection();
         let count = projection.map_or(self.vision.plane_count(), |projection| projection.bands);
@@ -325,19 +338,10 @@ impl Eye {
             let problem = format!("plane {i} is not finite at column {x}, row {y}");
             return Err(Error::light(problem));
         }
-        let planes = match projection {
-            None => given,
-            Some(projection) => {
-                let moments = projection.of_frame(&given, self.frame.take());
-                self.bands = Some(given);
-                moments
-            }
-        };
-        let survey = Arc::new(survey(&self.vision, &planes, self.pixels_per_degree));
-        let stimulus = Stimulus::new(&planes, &survey);
-        let look = self.look_at(stimulus, gaze.pixel(self.size), duration);
-        self.frame = Some(planes);
-        Ok(look)
+        let Some(projection) = projection else { return Ok(given) };
+        let moments = projection.of_frame(&given, self.frame.take());
+        self.bands = Some(given);
+        Ok(moments)
     }
 
     /// Gives a percept back to be written over by a later look.
@@ -355,7 +359,7 @@ impl Eye {
     pub fn trolands(&self) -> Option<Array3<f32>> {
         let (frame, operator) = (self.frame.as_ref()?, self.illuminance.as_ref()?);
         let mut td = Array3::zeros((frame.height, 3, frame.width));
-        stages::illuminate(self.on_the_retina(frame), operator, td.as_slice_mut()?);
+        context::illuminate(self.on_the_retina(frame), operator, td.as_slice_mut()?);
         Some(td.permuted_axes([0, 2, 1]))
     }
 

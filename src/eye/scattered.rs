@@ -120,8 +120,12 @@ const PER_CATCH: f64 = 11.6;
 
 impl Eye {
     /// Does a frame's scatter, unless it was the last frame too. `None`: there is none, or none that
-    /// matters: a veil that is not drawn over pigment that does not bleach.
+    /// matters: a veil that is not drawn over pigment that does not bleach, or that of a field,
+    /// which scatters itself.
     pub(super) fn scatter(&mut self, s: Stimulus<'_>, bleaches: bool) -> Option<OpticsStage> {
+        if self.uniform.is_some() {
+            return None;
+        }
         let beyond = self.light_beyond();
         let around = self.equal_energy(self.surround_luminance());
         let stage = self.optics.as_mut()?;

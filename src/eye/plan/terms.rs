@@ -87,24 +87,18 @@ impl Plan {
 
     /// What a free plan may leave out.
     fn choices(&self, budget: f64, pigments: &[Kinetics; 3]) -> [Term; 3] {
-        let PlanStats { untouched, stepped, settled, forgotten, everywhere, remembered, .. } =
-            self.stats;
-        let allowed = super::UNTOUCHED * budget / growth(pigments);
-        let lasting = super::STEADY * budget;
+        let allowed = percent(super::UNTOUCHED * budget / growth(pigments));
+        let PlanStats { untouched, stepped, everywhere, .. } = self.stats;
         [
             Term {
                 what: "no bleaching anywhere",
                 bound: relative(if stepped { everywhere } else { untouched }, pigments),
                 chosen: !stepped,
-                why: match stepped {
-                    true => {
-                        format!(
-                            "up to {} may have bleached; {} may be left out",
-                            percent(everywhere),
-                            percent(allowed)
-                        )
-                    }
-                    false => format!("nowhere can more than {} have bleached", percent(untouched)),
+                why: if stepped {
+                    let most = percent(everywhere);
+                    format!("up to {most} may have bleached; {allowed} may be left out")
+                } else {
+                    format!("nowhere can more than {} have bleached", percent(untouched))
                 },
             },
             Term {
@@ -112,30 +106,29 @@ impl Plan {
                 bound: relative(untouched, pigments),
                 chosen: stepped && untouched > 0.0,
                 why: format!(
-                    "a tile is left alone until {} can have bleached: {} of {} still are",
-                    percent(allowed),
+                    "a tile is left alone until {allowed} can have bleached: {} of {} still are",
                     self.ledger.bounds().len() - self.tiles_tracked(),
                     self.ledger.bounds().len()
                 ),
             },
-            Term {
-                what: "steady state in place of the way there",
-                bound: Some(if settled { forgotten } else { remembered }),
-                chosen: settled,
-                why: match settled {
-                    true => format!(
-                        "where a frame leaves less than {} of what was before it",
-                        percent(lasting)
-                    ),
-                    false => {
-                        let (left, most) = (percent(remembered), percent(lasting));
-                        format!(
-                            "a frame leaves up to {left} of what was before it; {most} would do"
-                        )
-                    }
-                },
-            },
+            self.settling(budget),
         ]
+    }
+
+    /// The steady state in place of the way there.
+    fn settling(&self, budget: f64) -> Term {
+        let PlanStats { settled, forgotten, remembered, .. } = self.stats;
+        let (left, most) = (percent(remembered), percent(super::STEADY * budget));
+        Term {
+            what: "steady state in place of the way there",
+            bound: Some(if settled { forgotten } else { remembered }),
+            chosen: settled,
+            why: if settled {
+                format!("where a frame leaves less than {most} of what was before it")
+            } else {
+                format!("a frame leaves up to {left} of what was before it; {most} would do")
+            },
+        }
     }
 
     /// What following pigment in time costs.
