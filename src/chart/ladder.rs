@@ -6,7 +6,7 @@
 //! the pool of the caller.
 
 use super::difference::{ciede2000, lab};
-use super::ladder_figure;
+use super::ladder_figure::{self, BUDGET, Rung};
 use super::ladder_scenes::{Scene, scenes};
 use super::{Progress, write_csv};
 use crate::colour;
@@ -24,24 +24,10 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-pub(super) const BUDGET: f64 = 1e-3;
-
 /// Every so many places are followed at full model.
 const STRIDE: usize = 8;
 
 const PIXELS_PER_DEGREE: f64 = 8.0;
-
-/// What one rung did on one scene.
-pub(super) struct Rung {
-    pub name: &'static str,
-    pub cost_ms: f64,
-    /// Largest error of p and of a catch.
-    pub errors: [f64; 2],
-    /// CIEDE2000 of the display picture, 95 % and largest.
-    pub differences: [f64; 2],
-    pub bound: Option<f64>,
-    pub chosen: bool,
-}
 
 /// What was seen at the followed places: fractions after each frame, and at the end catches and
 /// colours.

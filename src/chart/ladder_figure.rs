@@ -1,6 +1,5 @@
 //! The picture of the ladder: a panel for each scene, cost against error of each rung.
 
-use super::ladder::{BUDGET, Rung};
 use crate::plot::axes::power;
 use crate::plot::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PALE_GREY, PURPLE, VERMILION};
 use crate::plot::{Anchor, Axis, Ink, Marker, Panel, Sheet, font};
@@ -26,6 +25,21 @@ const TRUTH: &str = "full";
 const SIZE: [f64; 3] = [330.0, 56.0, 220.0];
 /// From one column to the next, and from one row.
 const PITCH: [f64; 2] = [500.0, 318.0];
+
+/// The budget of the tracked rung.
+pub(super) const BUDGET: f64 = 1e-3;
+
+/// What one rung did on one scene.
+pub(super) struct Rung {
+    pub name: &'static str,
+    pub cost_ms: f64,
+    /// Largest error of p and of a catch.
+    pub errors: [f64; 2],
+    /// CIEDE2000 of the display picture, 95 % and largest.
+    pub differences: [f64; 2],
+    pub bound: Option<f64>,
+    pub chosen: bool,
+}
 
 /// The figure: scenes by their titles, with their rungs.
 pub(super) fn drawn(found: &[(&str, &[Rung])]) -> Sheet {

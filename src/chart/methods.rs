@@ -1,7 +1,7 @@
 //! How each method is drawn, the same in every chart.
 
 use crate::plot::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION};
-use crate::plot::{Ink, Marker};
+use crate::plot::{Anchor, Ink, Marker, Sheet};
 
 /// Explicit methods are warm, implicit ones cool, exponential ones dark.
 pub(super) fn of_method(name: &str) -> (Ink, Marker) {
@@ -23,5 +23,31 @@ pub(super) fn of_method(name: &str) -> (Ink, Marker) {
         "exponential-rosenbrock" => (PURPLE, Marker::Square),
         "ramp" => (GREY, Marker::Diamond),
         _ => (BLACK, Marker::Star),
+    }
+}
+
+/// Methods that are drawn; the CSV has all of them.
+pub(super) const DRAWN: [&str; 12] = [
+    "forward-euler",
+    "heun",
+    "rk4",
+    "dopri5-adaptive",
+    "backward-euler",
+    "trapezoid",
+    "tr-bdf2",
+    "lobatto-iiic-2",
+    "radau-iia-5",
+    "ros2",
+    "rodas4",
+    "exact",
+];
+
+/// Names and marks of the drawn methods, in two rows.
+pub(super) fn key(sheet: &mut Sheet, top: f64) {
+    for (i, name) in DRAWN.into_iter().enumerate() {
+        let at = (60.0 + 158.0 * (i % 6) as f64, top + 24.0 * (i / 6) as f64);
+        let (ink, marker) = of_method(name);
+        sheet.mark(at, marker, if marker == Marker::Star { 6.0 } else { 4.6 }, ink);
+        sheet.text((at.0 + 11.0, at.1 + 5.0), name, 14, Anchor::Start, BLACK);
     }
 }

@@ -11,6 +11,7 @@ mod ladder_scenes;
 mod machine;
 mod methods;
 mod optics;
+mod optics_ways;
 mod panels;
 mod pigment;
 mod scenes;

@@ -1,38 +1,15 @@
 //! `optics`: point spread functions of the eye, the veil of the sun, and what computing scatter costs
 //! and errs: by the pyramid at each depth, beside ways that others take.
 
-use super::machine::{RUNS, median, nanoseconds};
-use super::transform::Convolution;
+use super::optics_ways::{Way, cie, ways};
 use super::{Progress, write_csv};
-use crate::error::{Error, Result};
-use crate::light::{Planes, Samples};
-use crate::optics::{DEPTHS, Depth, Optics, PSFS, Psf, Scatter};
+use crate::error::Result;
+use crate::optics::{PSFS, Psf, Scatter};
 use crate::plot::palette::{APART, BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, VERMILION};
-use crate::plot::{Anchor, Axis, Ink, Marker, Panel, Sheet};
+use crate::plot::{Anchor, Axis, Marker, Panel, Sheet};
 use std::path::Path;
 
-/// A picture of a noon sun over a dark wall, and its width in degrees.
-const SIZE: [usize; 2] = [480, 270];
-const ACROSS: f64 = 40.0;
-
-/// Every so many pixels on both axes the error is measured.
-const STRIDE: usize = 15;
-
-/// A wider pyramid whose Gaussians have three taps: the bloom of games.
-const BLOOM: Depth = Depth { low: 1.0, reach: 0.5 };
-
-/// One way to compute scatter.
-struct Way {
-    name: String,
-    ink: Ink,
-    marker: Marker,
-    ms_per_megapixel: f64,
-    error: f64,
-    certificate: Option<f64>,
-}
-
 pub(super) fn write(out_dir: &Path, progress: Progress) -> Result<()> {
-    progress("optics: direct summation");
     let ways = ways(progress)?;
     let curves = curves();
     let of_curve = |(panel, name, values): &Curve| {
@@ -46,10 +23,6 @@ pub(super) fn write(out_dir: &Path, progress: Progress) -> Result<()> {
     let rows = curves.iter().flat_map(of_curve).chain(ways.iter().map(of_way));
     write_csv(out_dir, "optics", "panel,series,x,y,certificate", rows)?;
     draw(&curves, &ways).write(out_dir, "optics")
-}
-
-fn cie() -> Scatter {
-    Scatter { psf: Psf::Cie, ..Scatter::default() }
 }
 
 /// Angles from 0.1 to 60 degrees.
@@ -79,107 +52,6 @@ fn curves() -> Vec<Curve> {
         curves.push(("veil", name, values(Scatter { age, pigmentation, ..cie() }, light)));
     }
     curves
-}
-
-/// A sun of 1.6e9 cd/m2 in a sky over land, a wall of 25 cd/m2 in it.
-fn noon() -> Planes {
-    let [width, height] = SIZE;
-    let degrees = ACROSS / width as f64;
-    let light = |i: usize| {
-        let [x, y] = [i % width, i / width].map(|v| v as f64 * degrees);
-        let r = (x - 25.0).hypot(y - 6.0);
-        match (r, (6.0..12.0).contains(&x) && y > 8.0, y > 15.0) {
-            (r, ..) if r < 0.2665 => 1.6e9,
-            (_, true, _) => 25.0,
-            (_, _, true) => 900.0,
-            (r, ..) => 5e3 + 2e4 * (-r / 2.0).exp() + 1e4 * (-r / 10.0).exp(),
-        }
-    };
-    let samples = Samples::Float((0..width * height).map(|i| light(i) as f32).collect());
-    Planes { width, height, count: 1, samples }
-}
-
-/// r = s (1 - c) + K s at every pixel from a table of the kernel, of the light of some pixels only.
-fn direct(kernel: &[f64], from: &[(usize, f64)], at: usize) -> f64 {
-    let width = SIZE[0];
-    let share = |(i, light): &(usize, f64)| {
-        light * kernel[(i / width).abs_diff(at / width) * width + (i % width).abs_diff(at % width)]
-    };
-    from.iter().map(share).sum()
-}
-
-fn places() -> impl Iterator<Item = usize> {
-    let rows = (STRIDE / 2..SIZE[1]).step_by(STRIDE);
-    rows.flat_map(|y| (STRIDE / 2..SIZE[0]).step_by(STRIDE).map(move |x| y * SIZE[0] + x))
-}
-
-fn optics(depth: Depth) -> Result<Optics> {
-    let optics = Optics::at_depth(&cie(), SIZE, ACROSS / SIZE[0] as f64, 1, depth);
-    optics.map_err(Error::light)?.ok_or_else(|| Error::light("nothing is scattered"))
-}
-
-/// Every way on the same picture.
-fn ways(progress: Progress) -> Result<Vec<Way>> {
-    let s = noon();
-    let finest = optics(DEPTHS[DEPTHS.len() - 1])?;
-    let [width, height] = SIZE;
-    let pixels = width * height;
-    let kernel: Vec<f64> =
-        (0..pixels).map(|i| finest.share((i % width) as f64, (i / width) as f64)).collect();
-    let light: Vec<(usize, f64)> =
-        (0..pixels).map(|i| (i, s.at(i % width, i / width, 0))).collect();
-    let ones: Vec<(usize, f64)> = (0..pixels).map(|i| (i, 1.0)).collect();
-    let kept: Vec<f64> = places().map(|at| 1.0 - direct(&kernel, &ones, at)).collect();
-    let truth: Vec<f64> = places()
-        .zip(&kept)
-        .map(|(at, kept)| light[at].1 * kept + direct(&kernel, &light, at))
-        .collect();
-    let error = |found: &dyn Fn(usize, f64) -> f64| {
-        let all = places().zip(&kept).zip(&truth);
-        all.map(|((at, kept), truth)| (found(at, *kept) / truth - 1.0).abs()).fold(0.0, f64::max)
-    };
-    let ms = |work: &mut dyn FnMut()| {
-        let runs = (0..RUNS).map(|_| nanoseconds(&mut *work)).collect();
-        median(runs) * 1e-6 / (pixels as f64 * 1e-6)
-    };
-    let mut ways = Vec::new();
-    let names = DEPTHS.iter().map(|depth| (format!("pyramid from {} px", depth.low), *depth));
-    for (name, depth) in names.chain([("bloom of three taps".to_owned(), BLOOM)]) {
-        progress(&format!("optics: {name}"));
-        let (mut optics, mut out) = (optics(depth)?, Planes::float(0, 0, 0));
-        let ms_per_megapixel = ms(&mut || optics.exchange(&s, None, &mut out));
-        let error = error(&|at, _| out.at(at % width, at / width, 0));
-        let certificate = (depth != BLOOM).then(|| optics.bound());
-        let (ink, marker) =
-            if depth == BLOOM { (ORANGE, Marker::Square) } else { (BLUE, Marker::Disc) };
-        ways.push(Way { name, ink, marker, ms_per_megapixel, error, certificate });
-    }
-    progress("optics: other ways");
-    let bright: Vec<(usize, f64)> = light.iter().copied().filter(|(_, v)| *v > 5e5).collect();
-    let mut sum = 0.0;
-    ways.push(Way {
-        name: format!("only the {} bright pixels", bright.len()),
-        ink: VERMILION,
-        marker: Marker::Triangle,
-        ms_per_megapixel: ms(&mut || {
-            sum += (0..pixels).map(|at| direct(&kernel, &bright, at)).sum::<f64>()
-        }),
-        error: error(&|at, kept| {
-            let own = light[at].1 * if light[at].1 > 5e5 { kept } else { 1.0 };
-            own + direct(&kernel, &bright, at)
-        }),
-        certificate: None,
-    });
-    std::hint::black_box(sum);
-    let convolution = Convolution::new(SIZE, |x, y| kernel[y * width + x]);
-    let single: Vec<f32> = light.iter().map(|(_, v)| *v as f32).collect();
-    let mut veil = convolution.of(&single);
-    let ms_per_megapixel = ms(&mut || veil = convolution.of(&single));
-    let error = error(&|at, kept| light[at].1 * kept + f64::from(veil[at]));
-    let name = "Fourier transform, single precision".to_owned();
-    let (ink, marker) = (PURPLE, Marker::Diamond);
-    ways.push(Way { name, ink, marker, ms_per_megapixel, error, certificate: None });
-    Ok(ways)
 }
 
 fn draw(curves: &[Curve], ways: &[Way]) -> Sheet {
@@ -239,6 +111,11 @@ fn costs(sheet: &mut Sheet, ways: &[Way]) {
     }
     let (from, to) = (panel.at(1.0, 3e-3), panel.at(1000.0, 3e-3));
     sheet.line(from, to, GREEN, 1.2, "6 4");
+    key(sheet);
+}
+
+/// The names beside the third panel.
+fn key(sheet: &mut Sheet) {
     let names = [
         (BLUE, Marker::Disc, "pyramid, four depths;"),
         (ORANGE, Marker::Square, "bloom of three taps"),

@@ -1,8 +1,7 @@
 //! The sheet of six panels: time per update against error, failures on a rail of their own.
 
-use super::methods::of_method;
+use super::methods::{DRAWN, key, of_method};
 use super::work::{BUDGET, Failure, Point};
-use super::work_precision::{DRAWN, key};
 use crate::plot::palette::{BLACK, GREY, PALE_GREEN, PALE_RED, VERMILION, WHITE};
 use crate::plot::{Anchor, Axis, Ink, Marker, Panel, Sheet};
 

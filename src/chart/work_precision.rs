@@ -1,33 +1,17 @@
 //! `work-precision`: what methods cost and how far they err, as a table of verdicts and as a sheet of
 //! six panels, `work_precision_panels`.
 
-use super::methods::of_method;
+use super::methods::DRAWN;
 use super::scenes::scenes;
 use super::verdict::table;
 use super::work::{Point, Work, errors, laws, timed};
 use super::{Progress, machine, panels, write_csv};
 use crate::error::Result;
 use crate::plot::palette::BLACK;
-use crate::plot::{Anchor, Marker, Sheet, font};
+use crate::plot::{Anchor, Sheet, font};
 use crate::step::{Drive, dormand_prince};
 use crate::units::{Seconds, Trolands};
 use std::path::Path;
-
-/// Methods that are drawn; the CSV has all of them.
-pub(super) const DRAWN: [&str; 12] = [
-    "forward-euler",
-    "heun",
-    "rk4",
-    "dopri5-adaptive",
-    "backward-euler",
-    "trapezoid",
-    "tr-bdf2",
-    "lobatto-iiic-2",
-    "radau-iia-5",
-    "ros2",
-    "rodas4",
-    "exact",
-];
 
 pub(super) fn write(out_dir: &Path, progress: Progress) -> Result<()> {
     let scenes = scenes();
@@ -70,16 +54,6 @@ fn verdicts(points: &[Point]) -> Sheet {
         sheet.text((20.0, below + 22.0 * i as f64), &note, 14, Anchor::Start, BLACK);
     }
     sheet
-}
-
-/// Names and marks of the drawn methods, in two rows.
-pub(super) fn key(sheet: &mut Sheet, top: f64) {
-    for (i, name) in DRAWN.into_iter().enumerate() {
-        let at = (60.0 + 158.0 * (i % 6) as f64, top + 24.0 * (i / 6) as f64);
-        let (ink, marker) = of_method(name);
-        sheet.mark(at, marker, if marker == Marker::Star { 6.0 } else { 4.6 }, ink);
-        sheet.text((at.0 + 11.0, at.1 + 5.0), name, 14, Anchor::Start, BLACK);
-    }
 }
 
 /// What the adaptive pair evaluates in the first frame of the glance at the sun.

@@ -44,18 +44,11 @@ fn in_words(plan: &Value) -> String {
             ["moves_p", "moves_catch"].map(|key| plan["optics"][key].as_f64().unwrap_or(0.0));
         lines.push(format!("  {what}: moves p by {p:.1e}, a catch by {catch:.1e} of it"));
     }
+    let total = bound(&plan["bound_total"]);
     lines.push(match plan["budget"].as_f64() {
-        Some(budget) => {
-            format!(
-                "  taken together: at most {}, of a budget of {budget:.1e}",
-                bound(&plan["bound_total"])
-            )
-        }
+        Some(budget) => format!("  taken together: at most {total}, of a budget of {budget:.1e}"),
         None => {
-            format!(
-                "  taken together: {}; numerics.model = \"auto\" would keep a budget",
-                bound(&plan["bound_total"])
-            )
+            format!("  taken together: {total}; numerics.model = \"auto\" would keep a budget")
         }
     });
     lines.push(format!(

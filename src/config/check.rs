@@ -28,6 +28,12 @@ pub(super) fn check(s: &Settings) -> Check {
     within("numerics.light_budget", s.numerics.light_budget, f64::MIN_POSITIVE, 1.0)?;
     within("numerics.budget", s.numerics.budget, f64::MIN_POSITIVE, 1.0)?;
     within("numerics.substeps", f64::from(s.numerics.substeps), 0.0, 1e6)?;
+    display(s)?;
+    output(s)?;
+    probes(s)
+}
+
+fn display(s: &Settings) -> Check {
     within("display.exposure_ev", s.display.exposure_ev, -100.0, 100.0)?;
     within("display.white_cd_m2", s.display.white_cd_m2, 1e-6, 1e9)?;
     within("display.highlights", s.display.highlights, 0.0, 1.0)?;
@@ -38,6 +44,10 @@ pub(super) fn check(s: &Settings) -> Check {
             "0 or more seconds; inf pins the map to the first frame",
         );
     }
+    Ok(())
+}
+
+fn output(s: &Settings) -> Check {
     within("output.checkpoint_s", s.output.checkpoint_s, 0.0, 1e9)?;
     if s.output.video != "none" && s.output.display == DisplayFile::None {
         return Err((
@@ -57,7 +67,7 @@ pub(super) fn check(s: &Settings) -> Check {
             "none, or a file name that ends in .mp4, .mkv or .mov",
         );
     }
-    probes(s)
+    Ok(())
 }
 
 fn input(s: &Settings) -> Check {

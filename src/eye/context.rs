@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::beyond::Around;
 use super::illuminance::IlluminanceOperator;
 use super::pigment::PigmentStep;
-use super::plan::Rule;
+use super::plan::rule::Rule;
 use super::stats::LookStats;
 use crate::kernel::{self, TileScratch};
 use crate::light::{Planes, Sample, Samples};

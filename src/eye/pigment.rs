@@ -1,6 +1,6 @@
 //! The pigment stage: unbleached fractions moved by cone illuminance over one look.
 
-use crate::eye::plan::Rule;
+use crate::eye::plan::rule::Rule;
 use crate::eye::stats::LookStats;
 use crate::kernel::{self, FirstOrderForm};
 use crate::kinetics::{Kinetics, Law};

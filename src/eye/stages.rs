@@ -54,8 +54,7 @@ impl Eye {
         self.plan.note(&stats, model, &self.pigments, duration);
         let survey = stimulus.seen_survey(optics.as_ref());
         self.optics = optics.or(self.optics.take());
-        let to_srgb = self.vision.seen_to_srgb.map(|row| row.map(|v| v as f32));
-        let adapting = adapting.fovea;
+        let (to_srgb, adapting) = (self.vision.to_srgb(), adapting.fovea);
         let look = Look { percept, to_srgb, survey, gaze, shift, duration, adapting, pupil, stats };
         self.check = check.map(|check| self.followed(check, stimulus, &look));
         look

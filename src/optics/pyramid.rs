@@ -18,7 +18,7 @@ use super::rows::{
     Around, BAND, Blur, EXPANDING, Exchange, Expand, Reduce, Taps, guarded, reducing,
 };
 use super::shape::{MARGIN, Shape};
-use super::whole::Whole;
+use super::whole::{Polynomials, Whole};
 use crate::kernel::vectorised;
 use crate::light::{Planes, Row, Samples};
 
@@ -150,45 +150,19 @@ impl Pyramid {
             let (finer, coarser) = self.levels.split_at_mut(level + 1);
             let (last, Level { shape, gaussians, light, veil }) =
                 (coarser.first(), &mut finer[level]);
-            let down = Down { shape, gaussians, light, coarser: last };
+            let down = Down { shape, gaussians, light, coarser: last, whole: &whole };
             let bands = veil.par_chunks_mut(BAND * shape.stride);
             let bands = bands.with_min_len(WORTHWHILE.div_ceil(BAND * shape.stride)).enumerate();
             bands.for_each_init(
                 || down.room(),
                 |room, (i, band)| {
                     down.band(BAND * i, room, band);
-                    if last.is_none() {
-                        whole.add(BAND * i, shape, band);
-                    }
                 },
             );
         }
         let coarser = self.levels.get(1);
         let Level { shape, gaussians, light, .. } = &self.levels[0];
-        let down = Down { shape, gaussians, light, coarser };
-        let samples = BAND * shape.width * shape.count;
-        let bands =
-            out.par_chunks_mut(samples).with_min_len(WORTHWHILE.div_ceil(samples)).enumerate();
-        bands.for_each_init(
-            || (down.room(), vec![0.0; BAND * shape.stride]),
-            |(room, veil), (i, out)| {
-                let rows = out.len() / (shape.width * shape.count);
-                let veil = &mut veil[..rows * shape.stride];
-                down.band(MARGIN + BAND * i, room, veil);
-                if coarser.is_none() {
-                    whole.add(MARGIN + BAND * i, shape, veil);
-                }
-                for (j, out) in out.chunks_exact_mut(shape.width * shape.count).enumerate() {
-                    let (y, stride) = (BAND * i + j, shape.stride);
-                    finish(
-                        y,
-                        &light[(y + MARGIN) * stride..][..stride],
-                        &veil[j * stride..][..stride],
-                        out,
-                    );
-                }
-            },
-        );
+        Down { shape, gaussians, light, coarser, whole: &whole }.to_the_picture(out, finish);
     }
 }
 
@@ -237,6 +211,8 @@ struct Down<'a> {
     gaussians: &'a [Taps],
     light: &'a [f32],
     coarser: Option<&'a Level>,
+    /// What every place gets from the whole picture: from the coarsest level.
+    whole: &'a Polynomials,
 }
 
 /// What a thread works in.
@@ -269,6 +245,28 @@ impl Down<'_> {
                 self.expand(row + i, plane, room, out);
             }
         }
+        if self.coarser.is_none() {
+            self.whole.add(row, self.shape, out);
+        }
+    }
+
+    /// The rows of the picture, each finished while its veil is near.
+    fn to_the_picture(&self, out: &mut [f32], finish: impl Finish) {
+        let Shape { width, count, stride, .. } = *self.shape;
+        let samples = BAND * width * count;
+        let bands = out.par_chunks_mut(samples);
+        let bands = bands.with_min_len(WORTHWHILE.div_ceil(samples)).enumerate();
+        bands.for_each_init(
+            || (self.room(), vec![0.0; BAND * stride]),
+            |(room, veil), (i, out)| {
+                let veil = &mut veil[..out.len() / (width * count) * stride];
+                self.band(MARGIN + BAND * i, room, veil);
+                for (j, out) in out.chunks_exact_mut(width * count).enumerate() {
+                    let (y, veil) = (BAND * i + j, &veil[j * stride..][..stride]);
+                    finish(y, &self.light[(y + MARGIN) * stride..][..stride], veil, out);
+                }
+            },
+        );
     }
 
     fn blur(&self, row: usize, plane: usize, room: &mut Room, out: &mut [f32]) {

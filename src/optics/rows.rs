@@ -5,10 +5,7 @@
 use pulp::{Simd, WithSimd};
 
 use super::levels::{BINOMIAL, LONGEST};
-use super::shape::MARGIN;
-
-/// Samples of a plane's row are a whole multiple of this: four of the longest vectors.
-pub(super) const BLOCK: usize = 64;
+use super::shape::{BLOCK, MARGIN};
 
 /// Zeros on both sides of a row that is blurred along itself.
 pub(super) const GUARD: usize = LONGEST;

@@ -1,6 +1,7 @@
 //! How a level of the pyramid lies in memory.
 
-use super::rows::BLOCK;
+/// Samples of a plane's row are a whole multiple of this: four of the longest vectors.
+pub(super) const BLOCK: usize = 64;
 
 /// Samples around a picture that carry light on coarser levels. The binomial filter reaches three;
 /// four keep even places even.

@@ -5,6 +5,7 @@
 
 pub mod axes;
 pub mod course;
+mod drawn;
 pub mod family;
 pub mod font;
 pub mod gallery;

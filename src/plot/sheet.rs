@@ -1,13 +1,5 @@
 //! Sheet: lines, shapes, marks and words at places on a page, to be written as SVG and as PNG.
 
-use std::path::Path;
-
-use crate::error::Result;
-use crate::frames::atomic;
-
-use super::raster::Canvas;
-use super::svg;
-
 /// A colour, sRGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ink(pub u8, pub u8, pub u8);
@@ -156,19 +148,5 @@ impl Sheet {
     fn circle(&mut self, at: Point, r: f64, fill: Option<Ink>, edge: Ink, width: f64) {
         let stroke = Some(Stroke { ink: edge, width, dashes: Vec::new() });
         self.items.push(Item::Circle { at, r, fill, stroke });
-    }
-
-    /// The drawing as SVG.
-    pub fn svg(&self) -> String {
-        svg::document(self)
-    }
-
-    /// Writes `<name>.svg` and `<name>.png`, the latter with two pixels to the unit; each appears whole or not at all.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
-    pub fn write(&self, out_dir: &Path, name: &str) -> Result<()> {
-        atomic::write_text(&out_dir.join(format!("{name}.svg")), &self.svg())?;
-        Canvas::of(self, 2.0).write(&out_dir.join(format!("{name}.png")))
     }
 }

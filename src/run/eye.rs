@@ -3,7 +3,6 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use ndarray::Array3;
 use serde_json::Value;
 
 use crate::config::Config;
@@ -11,9 +10,7 @@ use crate::config::settings::{DisplayFile, StateKey};
 use crate::display::{Display, ToneMap};
 use crate::error::{Error, Result};
 use crate::eye::pigment::Model;
-use crate::eye::retina::Retina;
 use crate::eye::{self, Eye, Look, Stimulus};
-use crate::frames;
 use crate::light::{Planes, Samples};
 use crate::plot::marks::Marks;
 use crate::run::checkpoint::{self, Checkpoint};
@@ -68,6 +65,13 @@ impl Watching {
             begun: Instant::now(),
             inputs: Vec::new(),
         })
+    }
+
+    /// Takes note of a frame that was read for the first time.
+    pub fn note(&mut self, number: u32, loaded: &Loaded) {
+        self.counters.count(number, loaded.frame.tally);
+        self.inputs.extend(loaded.input.clone());
+        self.timing.decode_s += loaded.took_s;
     }
 
     /// Takes up what [`Watching::checkpoint`] gave.
@@ -251,27 +255,4 @@ impl Watching {
                 past.map(|problem| format!("frame {}: {problem}", step.number));
         }
     }
-}
-
-/// The retina of a state file, which must be of the frames' size.
-pub(crate) fn retina_of_file(
-    config: &Config,
-    file: &str,
-    width: usize,
-    height: usize,
-) -> Result<Retina> {
-    let path = config.path(file);
-    let planes = frames::read_state(&path, config.settings.input.max_pixels)?;
-    if (planes.width, planes.height) != (width, height) {
-        let problem = format!(
-            "is a state of {} x {} places; the frames have {width} x {height}",
-            planes.width, planes.height
-        );
-        return Err(Error::file(&path, problem));
-    }
-    let p = Array3::from_shape_fn((height, 3, width), |(y, k, x)| planes.at(x, y, k));
-    if p.iter().any(|v| !(0.0..=1.0).contains(v)) {
-        return Err(Error::file(&path, "holds unbleached fractions outside 0 to 1"));
-    }
-    Ok(Retina::from_fractions(p.view(), [1.0; 3]))
 }

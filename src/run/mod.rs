@@ -18,6 +18,7 @@ pub mod report;
 mod resume;
 mod scene;
 pub mod schedule;
+mod start;
 mod video;
 pub mod watch;
 pub(crate) mod writer;
@@ -227,9 +228,7 @@ fn look_at_all(
             Err(RecvTimeoutError::Disconnected) => return Ok(()),
         };
         if held != Some(step.file) {
-            eye.counters.count(step.number, loaded.frame.tally);
-            eye.inputs.extend(loaded.input.clone());
-            eye.timing.decode_s += loaded.took_s;
+            eye.note(step.number, &loaded);
             held = Some(step.file);
         }
         if eye.done == 0 {
@@ -241,10 +240,8 @@ fn look_at_all(
         let due = last_checkpoint.elapsed() >= every || begun.elapsed() >= LONG;
         if due && eye.done < scene.steps.len() {
             last_checkpoint = Instant::now();
-            let Some(()) = links.send(Delivery::Checkpoint(Box::new(eye.checkpoint(&scene.steps))))
-            else {
-                return Ok(());
-            };
+            let checkpoint = Box::new(eye.checkpoint(&scene.steps));
+            let Some(()) = links.send(Delivery::Checkpoint(checkpoint)) else { return Ok(()) };
         }
     }
     Ok(())
@@ -289,19 +286,33 @@ fn finish(
     let lms_to_xyz = scene.vision.observer.lms_to_xyz;
     let cones = Cones { kinetics: config.pigments(), lms_to_xyz };
     plot::write(&folder.join("probes.svg"), &history, &cones)?;
-    let mut warnings = scene.footage.header().notes.clone();
-    for warning in eye.counters.warnings() {
-        watch.warn(&warning);
-        warnings.push(warning);
-    }
     let failed = eye.beyond(config.settings.numerics.budget);
-    if let Some(warning) = &failed {
-        watch.warn(warning);
-        warnings.push(warning.clone());
-    }
+    let told: Vec<String> = eye.counters.warnings().into_iter().chain(failed.clone()).collect();
+    told.iter().for_each(|warning| watch.warn(warning));
     let mut timing = eye.spent();
     timing.add(&written);
-    let report = json!({
+    let report = report_of(config, scene, &eye, folder, (told, &timing))?;
+    frames::atomic::write_lasting(&folder.join("report.json"), |to| writeln!(to, "{report:#}"))?;
+    if config.settings.output.page {
+        page::Report { title: &config.name, cases: vec![page::of_run(folder)?], report: &report }
+            .write(folder)?;
+    }
+    Checkpoint::remove(folder)?;
+    film(config, scene, folder, watch)?;
+    Ok(Outcome { report, went_on: eye.counters.went_on() || failed.is_some(), already: false })
+}
+
+/// `report.json`.
+fn report_of(
+    config: &Config,
+    scene: &Scene,
+    eye: &Watching,
+    folder: &Path,
+    (told, timing): (Vec<String>, &Timing),
+) -> Result<Value> {
+    let header = scene.footage.header();
+    let warnings: Vec<String> = header.notes.iter().cloned().chain(told).collect();
+    Ok(json!({
         "config": eye.config,
         "version": env!("CARGO_PKG_VERSION"),
         "constants": report::constants(config),
@@ -310,8 +321,8 @@ fn finish(
         "check": eye.eye.check().map_or_else(report::unchecked, Check::report),
         "frames": {
             "count": scene.steps.len(),
-            "width": scene.footage.header().width,
-            "height": scene.footage.header().height,
+            "width": header.width,
+            "height": header.height,
             "last_s": scene.steps.last().map(Step::end),
             "nan_samples": eye.counters.nan,
             "infinite_samples": eye.counters.infinite,
@@ -324,15 +335,7 @@ fn finish(
         "results": record::results(&folder.join("probes.csv"), eye.eye.pigments())?,
         "warnings": warnings,
         "timing": timing.report(),
-    });
-    frames::atomic::write_lasting(&folder.join("report.json"), |to| writeln!(to, "{report:#}"))?;
-    if config.settings.output.page {
-        page::Report { title: &config.name, cases: vec![page::of_run(folder)?], report: &report }
-            .write(folder)?;
-    }
-    Checkpoint::remove(folder)?;
-    film(config, scene, folder, watch)?;
-    Ok(Outcome { report, went_on: eye.counters.went_on() || failed.is_some(), already: false })
+    }))
 }
 
 /// Makes the film that `output.video` asks for, or says how to.

@@ -9,9 +9,9 @@ use crate::error::{Error, Result};
 use crate::eye::{Eye, plan};
 use crate::frames::{self, About, Footage, Header, Kind, Transfer, View, builtin};
 use crate::optics::{Optics, Psf};
-use crate::run::eye::retina_of_file;
 use crate::run::reader::Sequence;
 use crate::run::schedule::{self, Step};
+use crate::run::start::retina_of_file;
 use crate::units::{Degrees, Nits};
 use crate::vision::Vision;
 

@@ -30,6 +30,7 @@ use crate::error::{Error, Result};
 use crate::eye::Look;
 use crate::frames::{area, atomic};
 use crate::plot::marks::Marks;
+use crate::run::record::Reading;
 use crate::run::report::Timing;
 use crate::run::writer::Finished;
 use crate::run::{self, Existing, Loaded, Scene, Watch};
@@ -95,6 +96,12 @@ pub fn sweep(
     let left = finished_cases(&folder, numbers)?;
     let table =
         if let Part::Index(_) = part { None } else { Some(gather(&sweep, &folder, &left)?) };
+    let went_on = warned(&left, watch);
+    Ok(Outcome { ran: pending.len(), kept: kept.len(), went_on, table })
+}
+
+/// Tells what was wrong in some cases; whether it makes the sweep one that went on all the same.
+fn warned(left: &[Left], watch: &dyn Watch) -> bool {
     let bad_frames: usize = left.iter().map(|case| case.done.bad_frames).sum();
     if bad_frames > 0 {
         watch.warn(&format!(
@@ -108,8 +115,7 @@ pub fn sweep(
     if let Some(beyond) = beyond {
         watch.warn(beyond);
     }
-    let went_on = bad_frames > 0 || beyond.is_some();
-    Ok(Outcome { ran: pending.len(), kept: kept.len(), went_on, table })
+    bad_frames > 0 || beyond.is_some()
 }
 
 /// The cases that a part of a sweep runs.
@@ -207,7 +213,7 @@ impl Cells<'_> {
         light::lit(&opened.scene, opened.first_file(), None)
     }
 
-    /// One pass of one case.
+    /// One pass of one case, unless another process was quicker.
     fn case(
         &self,
         opened: &Opened,
@@ -217,58 +223,100 @@ impl Cells<'_> {
     ) -> Result<()> {
         let Opened { case, scene, spans } = opened;
         if self.folder.is_finished(case.number) {
-            // Another process was quicker.
             return Ok(());
         }
         let beside = self.folder.begin(case.number)?;
         let writer =
             run::writer(&case.config, scene, &run::resolved(&case.config.settings), beside.path())?;
-        let mut eye = CaseEye::new(&case.config, scene)?;
-        let (mut file, mut light) = (opened.first_file(), first.clone());
-        let planes = &first.frame.planes;
-        let size = area::size([planes.width, planes.height], self.side);
-        let (mut rows, mut pictures, mut steady) =
-            (table::header(&self.sweep.keys), Vec::new(), Vec::new());
-        let (mut bad_frames, mut past_limit) =
-            (scene.held.len() + usize::from(first.frame.tally.non_finite() > 0), None);
+        let mut pass = Pass::new(opened, first, self)?;
         for span in spans {
             if self.watch.interrupted() {
                 return Err(Error::Interrupted { resumable: true });
             }
-            if span.file != file {
-                let places = first.places.to_vec();
-                (file, light) = (span.file, light::lit(scene, span.file, Some(places))?);
-                bad_frames += usize::from(light.frame.tally.non_finite() > 0);
-            }
-            let seen = eye.watch(&light, span)?;
-            past_limit = past_limit.or(seen.past_limit);
-            let Some(cell) = span.cell else { continue };
-            let duration = self.sweep.durations[cell];
-            let at = table::Cell { case: case.number, duration, values: &case.values };
-            rows += &table::rows(&at, &seen.readings, &seen.steady, &case.config.pigments());
-            let small = area::reduced(&seen.look.percept, size);
-            pictures.extend(writer.picture(&small, map));
-            steady = seen.steady;
+            let Some((cell, look)) = pass.watch(span)? else { continue };
+            pass.pictures.extend(writer.picture(&area::reduced(&look.percept, pass.size), map));
             if self.sweep.pictures {
-                let cell = finished(case, cell, (span, seen.look), map);
+                let cell = finished(case, cell, (span, look), map);
                 writer.write(&cell, &mut Timing::default())?;
             }
             self.watch.frames(self.done.fetch_add(1, Ordering::Relaxed) + 1, cells);
         }
-        let steady = steady.iter().map(|reading| Steady {
+        self.folder.finish(case.number, beside, &pass.left(&self.folder.digest))
+    }
+}
+
+/// A case on its way through time.
+struct Pass<'a> {
+    opened: &'a Opened<'a>,
+    durations: &'a [f64],
+    eye: CaseEye,
+    /// The file that is looked at, and its light.
+    file: usize,
+    light: Arc<Loaded>,
+    /// Of the pictures for the sheet.
+    size: [usize; 2],
+    rows: String,
+    pictures: Vec<u8>,
+    steady: Vec<Reading>,
+    bad_frames: usize,
+    past_limit: Option<String>,
+}
+
+impl<'a> Pass<'a> {
+    fn new(opened: &'a Opened<'a>, first: &Arc<Loaded>, cells: &Cells<'a>) -> Result<Pass<'a>> {
+        let planes = &first.frame.planes;
+        let mended = usize::from(first.frame.tally.non_finite() > 0);
+        Ok(Pass {
+            opened,
+            durations: &cells.sweep.durations,
+            eye: CaseEye::new(&opened.case.config, &opened.scene)?,
+            file: opened.first_file(),
+            light: first.clone(),
+            size: area::size([planes.width, planes.height], cells.side),
+            rows: table::header(&cells.sweep.keys),
+            pictures: Vec::new(),
+            steady: Vec::new(),
+            bad_frames: opened.scene.held.len() + mended,
+            past_limit: None,
+        })
+    }
+
+    /// Looks on for a span; the cell that it ends, if any, and its look.
+    fn watch(&mut self, span: &Span) -> Result<Option<(usize, Look)>> {
+        let Opened { case, scene, .. } = self.opened;
+        if span.file != self.file {
+            let places = self.light.places.to_vec();
+            (self.file, self.light) = (span.file, light::lit(scene, span.file, Some(places))?);
+            self.bad_frames += usize::from(self.light.frame.tally.non_finite() > 0);
+        }
+        let seen = self.eye.watch(&self.light, span)?;
+        self.past_limit = self.past_limit.take().or(seen.past_limit);
+        let Some(cell) = span.cell else { return Ok(None) };
+        let (number, duration) = (case.number, self.durations[cell]);
+        let at = table::Cell { case: number, duration, values: &case.values };
+        self.rows += &table::rows(&at, &seen.readings, &seen.steady, &case.config.pigments());
+        self.steady = seen.steady;
+        Ok(Some((cell, seen.look)))
+    }
+
+    /// What it leaves in its folder.
+    fn left(self, digest: &str) -> Left {
+        let case = self.opened.case;
+        let beyond = self.eye.beyond(&case.config);
+        let steady = self.steady.iter().map(|reading| Steady {
             bleached: reading.p.map(|p| 1.0 - p),
             chromaticity: chromaticity(reading.xyz),
         });
         let done = Done {
-            digest: self.folder.digest.clone(),
-            rows: run::digest(rows.as_bytes()),
-            bad_frames,
-            size,
-            beyond: eye.beyond(&case.config).map(|words| format!("case {}: {words}", case.number)),
-            past_limit: past_limit.map(|words| format!("case {}, {words}", case.number)),
+            digest: digest.to_owned(),
+            rows: run::digest(self.rows.as_bytes()),
+            bad_frames: self.bad_frames,
+            size: self.size,
+            beyond: beyond.map(|words| format!("case {}: {words}", case.number)),
+            past_limit: self.past_limit.map(|words| format!("case {}, {words}", case.number)),
             steady: steady.collect(),
         };
-        self.folder.finish(case.number, beside, &Left { done, rows, pictures })
+        Left { done, rows: self.rows, pictures: self.pictures }
     }
 }
 

@@ -301,6 +301,11 @@ impl Vision {
         })
     }
 
+    /// The percept's RGB -> linear sRGB in cd/m2, in single precision.
+    pub fn to_srgb(&self) -> [[f32; 3]; 3] {
+        self.seen_to_srgb.map(|row| row.map(|v| v as f32))
+    }
+
     /// XYZ of catches, cd/m2.
     pub fn xyz(&self, catch: [f64; 3]) -> [f64; 3] {
         colour::apply(&self.observer.lms_to_xyz, catch)

@@ -15,6 +15,7 @@
 //! Stiles-Crawford weight. The bounds run along with the frames: a file is read once.
 
 mod ledger;
+pub(super) mod rule;
 mod terms;
 
 use serde::{Deserialize, Serialize};
@@ -26,6 +27,7 @@ use crate::units::{Seconds, Trolands};
 use crate::vision::Vision;
 
 use ledger::Ledger;
+use rule::Rule;
 pub use terms::{Term, least_budget};
 
 /// The budget where none is asked for: the largest error of p and of a catch.
@@ -86,32 +88,6 @@ impl PlanStats {
         everywhere: 0.0,
         remembered: 0.0,
     };
-}
-
-/// What a plan allows over one step.
-#[derive(Clone, Copy, Debug)]
-pub struct Rule {
-    per_half_bleach: [f64; 3],
-    share: [f64; 3],
-    allowed: f64,
-}
-
-impl Rule {
-    /// What may have bleached unseen after a step whose light is at most `greatest`, td; infinity
-    /// once that is too much to be left out.
-    pub fn after(&self, bound: f64, greatest: [f32; 3]) -> f64 {
-        if bound.is_infinite() {
-            return bound;
-        }
-        let after = self.bleached(bound, greatest.map(f64::from));
-        if after < self.allowed { after } else { f64::INFINITY }
-    }
-
-    fn bleached(&self, bound: f64, greatest: [f64; 3]) -> f64 {
-        let of_cone =
-            |k: usize| bound + self.share[k] * (greatest[k] * self.per_half_bleach[k] - bound);
-        (0..3).map(of_cone).fold(0.0, f64::max)
-    }
 }
 
 impl Plan {
