@@ -114,6 +114,51 @@ async function live(browser, url, look) {
   return shown;
 }
 
+/** A visit by the keyboard alone: every control is reached, and its keys do what they say. */
+async function keyboard(browser, url) {
+  const { page, close } = await opened(browser, url, new URL(url).origin, LOOKS[0]);
+  const focused = () => page.evaluate(() => document.activeElement.id || document.activeElement.name);
+  const press = async (...keys) => { for (const key of keys) await page.keyboard.press(key); };
+  const clock = async () => parseFloat(await page.textContent("#clock"));
+  await until("a first picture", async () => (await page.textContent("#numbers")).includes("Gaze"));
+  await press("r");
+  await page.getByRole("button", { name: "Stare at the light" }).waitFor();
+  await page.focus("#begin");
+  await press("Enter");
+  await until("time runs", async () => (await clock()) > 1);
+  await press("Shift+ArrowLeft", "Shift+ArrowLeft");
+  await until("the gaze has moved", async () => (await page.textContent("#numbers")).includes("0.300, 0.500"));
+  const reached = new Set();
+  for (let i = 0; i < 30; i++) {
+    await press("Tab");
+    reached.add(await focused());
+  }
+  for (const control of ["play", "time", "speed", "before", "rest", "save"]) assert.ok(reached.has(control), `${control} is reached`);
+  await page.focus("#time");
+  await press("Space");
+  await until("space pauses from the slider", async () => (await page.textContent("#play")) === "Play");
+  const last = await clock();
+  await press("Home");
+  await until("the slider begins at the start", async () => (await clock()) === 0);
+  await press("End");
+  await until("and ends at the end", async () => (await clock()) === last);
+  await page.focus("#before");
+  const shown = () => page.evaluate(() => document.getElementById("canvas").toDataURL());
+  const after = await shown();
+  await page.keyboard.down("Space");
+  await until("before, while its button is held", async () => (await shown()) !== after);
+  await page.keyboard.up("Space");
+  await until("and after again", async () => (await shown()) === after);
+  await page.focus("#save");
+  await press("Enter");
+  await until("saved", async () => (await page.textContent("#hint")).startsWith("Saved"));
+  await page.focus("#saved");
+  await press("ArrowDown");
+  await until("opened", async () => (await page.textContent("#hint")).includes("lived again"));
+  await until("lived again", async () => (await clock()) === last);
+  await close();
+}
+
 async function stranger(browser, url) {
   const { page, close } = await opened(browser, url.replace(/#t=.*/, "#t=guessed"), new URL(url).origin, LOOKS[0]);
   await until("a page without the token is told", async () => (await page.textContent("#hint")).includes("lacks its token"));
@@ -127,6 +172,7 @@ async function main() {
   try {
     const url = await new Promise((resolve) => program.stdout.once("data", (text) => resolve(String(text).trim())));
     await stranger(browser, url);
+    await keyboard(browser, url);
     for (const look of LOOKS) console.log(look.join(" "), (await live(browser, url, look)).match(/Shown(.*)/)?.[1] ?? "");
   } finally {
     program.kill();

@@ -128,7 +128,7 @@ fn packed(png: &[u8]) -> Vec<u8> {
 #[ignore = "makes data/report anew"]
 fn the_example_report_is_made_anew() {
     let run = tempfile::tempdir().unwrap();
-    let config = Config::load(None, &["output.seen=none".into()]).unwrap();
+    let config = Config::load(None, &[]).unwrap();
     run::run(&config, run.path(), Default::default(), &Unwatched).unwrap();
     std::fs::create_dir_all(example()).unwrap();
     for entry in std::fs::read_dir(run.path()).unwrap() {
