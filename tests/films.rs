@@ -448,6 +448,20 @@ fn a_film_of_variable_rate_is_seen_at_its_own_times() {
     let rows = traced(folder.path(), "input.range = \"2-4\"\n");
     near(column(&rows, 0), &[2.0, 3.0, 4.0]);
     near(column(&rows, 1), &[0.1, 0.6, 0.7]);
+    // Even frames are even, though Matroska rounds them to milliseconds.
+    film(
+        folder.path(),
+        "a.mkv",
+        &greys(&[200; 7]),
+        &["-pix_fmt", "yuv420p", "-s", "16x8", "-r", "30"],
+        &SDR,
+    );
+    let rows = traced(folder.path(), "");
+    assert!(
+        column(&rows, 2).iter().all(|duration| (duration * 30.0 - 1.0).abs() < 1e-9),
+        "{rows:?}"
+    );
+    film(folder.path(), "a.mkv", &greys(&[200; 12]), &GREY, &output);
     let rows = traced(folder.path(), "time.fps = 10\n");
     near(column(&rows, 1), &[0.1, 0.2, 0.3, 0.4]);
 }

@@ -24,6 +24,8 @@ pub(super) struct Stream {
     pub field_order: Option<String>,
     pub sample_aspect_ratio: Option<String>,
     pub avg_frame_rate: Option<String>,
+    pub r_frame_rate: Option<String>,
+    pub time_base: Option<String>,
     pub side_data_list: Vec<SideData>,
 }
 
@@ -59,7 +61,7 @@ struct Container {
 
 const ENTRIES: &str = "stream=width,height,pix_fmt,color_range,color_space,color_transfer,\
                        color_primaries,chroma_location,field_order,sample_aspect_ratio,\
-                       avg_frame_rate:stream_side_data=rotation:\
+                       avg_frame_rate,r_frame_rate,time_base:stream_side_data=rotation:\
                        packet=pts_time,duration_time,flags,pos,size:\
                        format=format_name";
 
@@ -87,7 +89,7 @@ pub(super) fn probe(path: &Path) -> Result<Told> {
         let why = complaints.lines().last().unwrap_or("it holds no video").trim();
         return Err(Error::file(path, format!("is no film that ffmpeg can read: {why}")));
     };
-    let times = times(&told.packets, stream.rate().unwrap_or(24.0));
+    let times = stream.evened(times(&told.packets, stream.rate().unwrap_or(24.0)));
     if times.len() < 2 || times.len() > LONGEST {
         let problem = format!("has {} frames; 1 to {LONGEST} are read", times.len().max(1) - 1);
         return Err(Error::file(path, problem));
@@ -127,12 +129,36 @@ fn times(packets: &[Packet], rate: f64) -> Vec<f64> {
     starts.iter().copied().chain([last + duration]).map(|time| time - first).collect()
 }
 
+/// A fraction as ffprobe prints it, if it is above 0.
+fn ratio(text: &str) -> Option<f64> {
+    let (above, below) = text.split_once('/')?;
+    let ratio = above.parse::<f64>().ok()? / below.parse::<f64>().ok()?;
+    (ratio.is_finite() && ratio > 0.0).then_some(ratio)
+}
+
 impl Stream {
     /// Frames a second, on average.
     pub fn rate(&self) -> Option<f64> {
-        let (frames, seconds) = self.avg_frame_rate.as_deref()?.split_once('/')?;
-        let rate = frames.parse::<f64>().ok()? / seconds.parse::<f64>().ok()?;
-        (rate.is_finite() && rate > 0.0).then_some(rate)
+        ratio(self.avg_frame_rate.as_deref()?)
+    }
+
+    /// The times of even frames that were rounded to the container's ticks (1 ms in Matroska), as
+    /// they were before; others as they are.
+    fn evened(&self, times: Vec<f64>) -> Vec<f64> {
+        let rates = [&self.r_frame_rate, &self.avg_frame_rate];
+        let mut rates = rates.into_iter().filter_map(|rate| ratio(rate.as_deref()?));
+        // ffprobe rounds to a microsecond once more; and the first frame, from which all are counted,
+        // was rounded too.
+        let tick = self.time_base.as_deref().and_then(ratio).unwrap_or(0.0);
+        let fits = |(frame, time): (usize, &f64), rate: f64| {
+            (frame as f64 / rate - time).abs() <= tick + 4e-6
+        };
+        let starts = times.len().saturating_sub(1);
+        let are_even = |rate: &f64| times[..starts].iter().enumerate().all(|at| fits(at, *rate));
+        let Some(rate) = rates.find(are_even) else { return times };
+        // The last may last longer.
+        let even = |at: (usize, &f64)| if fits(at, rate) { at.0 as f64 / rate } else { *at.1 };
+        times.iter().enumerate().map(even).collect()
     }
 
     /// The EXIF orientation that stands for the film's rotation (degrees counterclockwise).
@@ -173,6 +199,31 @@ mod tests {
         let expected = [0.0, 0.1, 0.4, 0.7];
         assert_eq!(found.len(), 4);
         assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
+    }
+
+    #[test]
+    fn even_frames_are_even_however_the_container_rounds_them() {
+        let rounded = |rate: f64, tick: f64| -> Vec<f64> {
+            (0..200).map(|frame| (f64::from(frame) / rate / tick).round() * tick).collect()
+        };
+        let text = |text: &str| Some(text.to_owned());
+        let matroska = |rate: &str, average: &str| Stream {
+            r_frame_rate: text(rate),
+            avg_frame_rate: text(average),
+            time_base: text("1/1000"),
+            ..Stream::default()
+        };
+        for (rate, stream) in [
+            (30.0, matroska("30/1", "30/1")),
+            (24e3 / 1001.0, matroska("24000/1001", "2997/125")),
+            (25.0, matroska("50/1", "25/1")),
+        ] {
+            let times = stream.evened(rounded(rate, 1e-3));
+            let even = times.windows(2).all(|pair| (rate * (pair[1] - pair[0]) - 1.0).abs() < 1e-9);
+            assert!(even, "{rate}: {times:?}");
+        }
+        let uneven = vec![0.0, 0.033, 0.069, 0.1];
+        assert_eq!(matroska("30/1", "30/1").evened(uneven.clone()), uneven);
     }
 
     #[test]
