@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use exr::prelude::{AnyChannels, FlatSamples, Image, Layer, ReadChannels, ReadLayers, f16};
 use exr_blocks::header::{Attribute, DEEP, Headers};
 use exr_raw::{Channel, chunk, file, floats, ints, part};
-use sungaze::frames::{About, Compression, ReadOptions, open, write_percept};
+use sungaze::colour::Primaries;
+use sungaze::frames::{About, Compression, Kind, ReadOptions, open, write_percept};
 use sungaze::light::{Planes, Samples};
 
 type Layers = Vec<Layer<AnyChannels<FlatSamples>>>;
@@ -262,4 +263,28 @@ fn a_plate_whose_other_part_is_damaged_leaves_no_file() {
         "{message}"
     );
     assert!(!seen.exists());
+}
+
+#[test]
+fn primaries_that_were_given_are_those_of_what_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let (mut header, rows) = plate(&CHANNELS);
+    let wrong = floats(&[0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329]);
+    header.push(Attribute::new("chromaticities", "chromaticities", wrong.clone()));
+    let source = saved(folder.path(), "plate.exr", &file(0x400, vec![(header, rows)]));
+    let written = |primaries: Option<Primaries>| {
+        let options = ReadOptions { primaries, ..ReadOptions::default() };
+        let footage = open(std::slice::from_ref(&source), &options).unwrap();
+        let Kind::Rgb(primaries) = footage.header().kind else { panic!("not RGB") };
+        let about = About { primaries: Some(primaries), ..About::default() };
+        let (planes, plate) =
+            (footage.read(0, None, None).unwrap().planes, footage.plate(0).unwrap());
+        let out = folder.path().join("seen.exr");
+        write_percept(&out, &planes, Compression::Zip, &about, plate.as_ref()).unwrap();
+        let attributes = headers(&out).parts.remove(0);
+        attributes.into_iter().find(|a| a.name == b"chromaticities").unwrap().value
+    };
+    assert_eq!(written(None), wrong);
+    let acescg = floats(&[0.713, 0.293, 0.165, 0.83, 0.128, 0.044, 0.32168, 0.33767]);
+    assert_eq!(written(Some(Primaries::ACESCG)), acescg);
 }

@@ -7,8 +7,8 @@ use crate::eye::pigment::Model;
 use crate::eye::{Surround, plan};
 use crate::frames::builtin::Sunset;
 use crate::frames::{
-    self, ChannelNames, Compression, Matrix, Negative, NonFinite, Quantity, ReadOptions, Sequence,
-    Wanted,
+    self, ChannelNames, Compression, Matrix, Negative, NonFinite, Overscan, Quantity, ReadOptions,
+    Sequence, Wanted,
 };
 use crate::kinetics::{Kinetics, Law};
 use crate::observer::{
@@ -151,6 +151,10 @@ impl Config {
                 QuantityKey::BandIntegral => Quantity::BandIntegral,
             },
             channels: self.channel_names()?,
+            overscan: match self.settings.output.keep {
+                KeepKey::All => Overscan::OfFirst,
+                KeepKey::None => Overscan::None,
+            },
             non_finite: match input.non_finite {
                 NonFiniteKey::Error => NonFinite::Error,
                 NonFiniteKey::Clamp => NonFinite::Clamp,

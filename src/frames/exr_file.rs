@@ -20,6 +20,7 @@ use rayon::iter::{ParallelBridge, ParallelIterator};
 use crate::error::{Error, Result};
 use crate::frames::exr_chunks::{Chunks, decompressed, guarded};
 use crate::frames::exr_rows::{Place, Rows};
+use crate::frames::options::Overscan;
 use crate::frames::picture::{DENSEST, believable};
 
 /// [`DENSEST`] for DWA, which packs 22 000 bytes of such a frame into one.
@@ -137,6 +138,29 @@ impl Part<'_> {
     /// Where the samples of a channel lie.
     pub fn place(&self, channel: usize) -> Place {
         Place::of(&self.header.channels, channel)
+    }
+
+    /// The display window, and what is wanted beyond it. A data window that does not meet the
+    /// display window is no overscan of it.
+    pub fn canvas(&self, overscan: Overscan) -> IntegerBounds {
+        let (display, data) = (self.window, self.header.data_window());
+        let (columns, rows) = self.seen();
+        let [left, top, right, bottom] = match overscan {
+            Overscan::Margins(margins) => margins,
+            Overscan::OfFirst if !(columns.is_empty() || rows.is_empty()) => {
+                let beyond = |a: i32, b: i32| (i64::from(b) - i64::from(a)).max(0) as usize;
+                [
+                    beyond(data.position.x(), display.position.x()),
+                    beyond(data.position.y(), display.position.y()),
+                    beyond(display.end().x(), data.end().x()),
+                    beyond(display.end().y(), data.end().y()),
+                ]
+            }
+            _ => [0; 4],
+        };
+        let (Vec2(x, y), Vec2(width, height)) = (display.position, display.size);
+        let corner = Vec2(x.saturating_sub(left as i32), y.saturating_sub(top as i32));
+        IntegerBounds::new(corner, Vec2(left + width + right, top + height + bottom))
     }
 
     /// Whether every pixel of the window has data.

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use exr::meta::attribute::{AttributeValue, SampleType};
+use exr::math::Vec2;
+use exr::meta::attribute::{AttributeValue, IntegerBounds, SampleType};
 use half::f16;
 use rayon::prelude::*;
 
@@ -16,9 +17,9 @@ use crate::frames::exr_layer::chosen;
 use crate::frames::exr_rows::{Place, Stored};
 use crate::frames::exr_sampling::{interpolate, to_rgb};
 use crate::frames::options::ReadOptions;
-use crate::frames::picture::{Footage, Format, Header, Kind, canvas, examined};
+use crate::frames::picture::{Footage, Format, Header, Kind, believable, canvas, examined};
 use crate::frames::plate::Plate;
-use crate::light::{Frame, Planes, Samples};
+use crate::light::{Frame, Planes, Samples, Window};
 use crate::text::shown;
 use crate::units::Nits;
 use crate::vision::Projection;
@@ -40,6 +41,8 @@ pub(super) static FORMAT: Format = Format {
 pub(super) struct ExrPicture {
     pub file: ExrFile,
     pub part: usize,
+    /// The pixels of the file that are read: the display window, and overscan.
+    canvas: IntegerBounds,
     pub choice: Choice,
     /// What the names of the layer's channels begin with.
     pub prefix: String,
@@ -52,8 +55,10 @@ impl ExrPicture {
         let file = ExrFile::open(path)?;
         let (part, prefix, choice) =
             chosen(&file, options).map_err(|problem| Error::file(path, problem))?;
-        let (width, height) =
-            file.part(part, options.max_pixels).map(|part| (part.width(), part.height()))?;
+        let canvas = file.part(part, options.max_pixels)?.canvas(options.overscan);
+        let (width, height) = (canvas.size.width(), canvas.size.height());
+        // Both windows were believable; what they span may not be.
+        believable(path, (width, height), 0, u64::MAX, options.max_pixels)?;
         let attributes = &file.meta.headers[part].own_attributes;
         let mut notes = choice.notes.clone();
         if file.meta.headers.len() > 1 {
@@ -79,12 +84,18 @@ impl ExrPicture {
             notes,
             ..Header::new(width, height, choice.kind.clone())
         };
-        Ok(ExrPicture { file, part, choice, prefix, header, options: options.clone() })
+        Ok(ExrPicture { file, part, canvas, choice, prefix, header, options: options.clone() })
+    }
+
+    /// Whether the configuration says what its primaries are.
+    pub fn primaries_are_given(&self) -> bool {
+        self.options.primaries.is_some()
     }
 
     /// The part with the picture.
     pub fn part(&self) -> Result<Part<'_>> {
-        self.file.part(self.part, self.options.max_pixels)
+        let part = self.file.part(self.part, self.options.max_pixels)?;
+        Ok(Part { window: self.canvas, ..part })
     }
 
     /// Where the samples of each plane lie.
@@ -220,6 +231,14 @@ impl Footage for ExrPicture {
         &self.header
     }
 
+    fn window(&self) -> Window {
+        let display = self.file.meta.headers[self.part].shared_attributes.display_window;
+        let apart = |a: i32, b: i32| (i64::from(a) - i64::from(b)) as usize;
+        let (Vec2(x, y), Vec2(left, top)) = (display.position, self.canvas.position);
+        let size = [display.size.width(), display.size.height()];
+        Window { corner: [apart(x, left), apart(y, top)], size }
+    }
+
     fn plate(&self, _: usize) -> Result<Option<Plate>> {
         let picture = ExrPicture::open(&self.file.path, &self.options)?;
         Ok(Some(Plate { picture, gain: 1.0 }))
@@ -265,10 +284,12 @@ pub fn read_exr(path: &Path, names: &[&str], max_pixels: u64) -> Result<(Planes,
         _ => None,
     });
     let kind = Kind::Rgb(Primaries::REC709);
-    let (width, height) = file.part(0, max_pixels).map(|part| (part.width(), part.height()))?;
+    let canvas = file.part(0, max_pixels)?.window;
+    let (width, height) = (canvas.size.width(), canvas.size.height());
     let header = Header::new(width, height, kind.clone());
     let choice = Choice { kind, channels, scale: Vec::new(), chroma: false, notes: Vec::new() };
     let options = ReadOptions { max_pixels, ..ReadOptions::default() };
-    let picture = ExrPicture { file, part: 0, choice, prefix: String::new(), header, options };
+    let (part, prefix) = (0, String::new());
+    let picture = ExrPicture { file, part, canvas, choice, prefix, header, options };
     Ok((picture.as_stored::<f32>(None)?.planes, json))
 }

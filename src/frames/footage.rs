@@ -7,10 +7,10 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
-use crate::frames::options::ReadOptions;
+use crate::frames::options::{Overscan, ReadOptions};
 use crate::frames::picture::{Footage, Format, Header, Kind};
 use crate::frames::plate::Plate;
-use crate::light::{Frame, Planes};
+use crate::light::{Frame, Planes, Window};
 use crate::vision::Projection;
 
 /// The formats that are read.
@@ -61,6 +61,7 @@ struct Files {
     paths: Vec<PathBuf>,
     options: ReadOptions,
     header: Header,
+    window: Window,
 }
 
 /// Opens footage of one file for each frame. The first file's header tells its size and meaning.
@@ -75,8 +76,16 @@ pub(super) fn open(
         return Ok(opened);
     }
     alone(first, &*opened)?;
-    let header = opened.header().clone();
-    Ok(Box::new(Files { formats, paths: paths.to_vec(), options: options.clone(), header }))
+    let (header, window) = (opened.header().clone(), opened.window());
+    let overscan = margins(&header, window);
+    let options = ReadOptions { overscan, ..options.clone() };
+    Ok(Box::new(Files { formats, paths: paths.to_vec(), options, header, window }))
+}
+
+/// The overscan of a frame, which all that follow are given.
+fn margins(header: &Header, Window { corner, size }: Window) -> Overscan {
+    let beyond = [header.width - corner[0] - size[0], header.height - corner[1] - size[1]];
+    Overscan::Margins([corner[0], corner[1], beyond[0], beyond[1]])
 }
 
 /// Refuses a film in a list of pictures.
@@ -94,6 +103,10 @@ impl Footage for Files {
 
     fn len(&self) -> usize {
         self.paths.len()
+    }
+
+    fn window(&self) -> Window {
+        self.window
     }
 
     fn read(

@@ -62,7 +62,7 @@ pub use exr_description::{Channel, ExrDescription};
 pub use exr_picture::read_exr;
 pub use film_yuv::Matrix;
 pub use inspect::{Inspection, LuminanceWeights};
-pub use options::{ChannelNames, Negative, NonFinite, Quantity, ReadOptions, Wanted};
+pub use options::{ChannelNames, Negative, NonFinite, Overscan, Quantity, ReadOptions, Wanted};
 pub use picture::{Footage, Header, Kind, View, ViewProjection};
 pub use plate::Plate;
 pub use png_bytes::decode_png;

@@ -56,6 +56,17 @@ pub enum ChannelNames {
     Listed(Vec<(String, f64, f64)>),
 }
 
+/// How many pixels beyond its display window are read of a picture that has them (OpenEXR).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Overscan {
+    #[default]
+    None,
+    /// All that the first frame has.
+    OfFirst,
+    /// So many on the left, at the top, on the right and at the bottom.
+    Margins([usize; 4]),
+}
+
 /// How files are to be read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadOptions {
@@ -79,6 +90,7 @@ pub struct ReadOptions {
     pub matrix: Option<Matrix>,
     /// Whether a film's codes have full range, where its own word is not taken.
     pub full_range: Option<bool>,
+    pub overscan: Overscan,
     pub non_finite: NonFinite,
     pub negative: Negative,
     /// Declared sizes above this are refused before anything is allocated.
@@ -99,6 +111,7 @@ impl Default for ReadOptions {
             peak_cd_m2: None,
             matrix: None,
             full_range: None,
+            overscan: Overscan::None,
             non_finite: NonFinite::Error,
             negative: Negative::Keep,
             max_pixels: 268_435_456,

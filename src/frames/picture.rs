@@ -13,7 +13,7 @@ use crate::frames::memory;
 use crate::frames::options::ReadOptions;
 use crate::frames::plate::Plate;
 use crate::frames::transfer::Transfer;
-use crate::light::{Frame, Planes, Samples};
+use crate::light::{Frame, Planes, Samples, Window};
 use crate::spectrum::Bands;
 use crate::units::Nits;
 use crate::vision::Projection;
@@ -128,6 +128,10 @@ pub trait Footage: Send + Sync {
     fn uniform(&self, index: usize) -> Option<&[f64]> {
         let _ = index;
         None
+    }
+    /// The display window among the pixels of every frame.
+    fn window(&self) -> Window {
+        Window::whole([self.header().width, self.header().height])
     }
     /// What else frame `index` carries, to be written with its percept; `None` where that is
     /// nothing.

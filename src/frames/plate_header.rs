@@ -16,7 +16,9 @@ use crate::frames::written::{About, Compression, tell};
 const OURS: [&[u8]; 6] =
     [b"channels", b"compression", b"lineOrder", b"type", b"chunkCount", b"sungaze"];
 /// Attributes that say what colours mean: ours where the source's colours were no colours.
-const OF_COLOURS: [&[u8]; 2] = [b"chromaticities", b"whiteLuminance"];
+const OF_COLOURS: [&[u8]; 2] = [PRIMARIES, b"whiteLuminance"];
+/// Ours where the source's word on it was not taken.
+const PRIMARIES: &[u8] = b"chromaticities";
 /// Longest name of a file that does not announce longer ones, bytes.
 const SHORT_NAME: usize = 31;
 
@@ -47,9 +49,13 @@ pub(super) fn headers(picture: &ExrPicture, mut source: Headers, part: &Header) 
     let written = part.write(&mut bytes);
     let ours = attributes(&mut &bytes[..]);
     debug_assert!(written.is_ok() && ours.is_ok(), "a header of ours is sound");
-    let no_colours = matches!(picture.choice.kind, Kind::Spectral(_));
+    let replaced: &[&[u8]] = match picture.choice.kind {
+        Kind::Spectral(_) => &OF_COLOURS,
+        Kind::Rgb(_) if picture.primaries_are_given() => &[PRIMARIES],
+        Kind::Rgb(_) => &[],
+    };
     let attributes = &mut source.parts[picture.part];
-    *attributes = merged(std::mem::take(attributes), ours.unwrap_or_default(), no_colours);
+    *attributes = merged(std::mem::take(attributes), ours.unwrap_or_default(), replaced);
     source.flags &= !TILED;
     if source.parts.iter().flatten().any(is_long) || channel_is_long(part) {
         source.flags |= LONG_NAMES;
@@ -57,9 +63,10 @@ pub(super) fn headers(picture: &ExrPicture, mut source: Headers, part: &Header) 
     source
 }
 
-/// The attributes of the source in their order, but for [`OURS`]; then those that it lacks.
-fn merged(source: Vec<Attribute>, ours: Vec<Attribute>, no_colours: bool) -> Vec<Attribute> {
-    let replaced = |name: &[u8]| OURS.contains(&name) || (no_colours && OF_COLOURS.contains(&name));
+/// The attributes of the source in their order, but for [`OURS`] and `more`; then those that it
+/// lacks.
+fn merged(source: Vec<Attribute>, ours: Vec<Attribute>, more: &[&[u8]]) -> Vec<Attribute> {
+    let replaced = |name: &[u8]| OURS.contains(&name) || more.contains(&name);
     let kept = source.into_iter().filter(|attribute| attribute.name != b"tiles");
     let mut merged: Vec<Attribute> = kept
         .map(|attribute| {

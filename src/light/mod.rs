@@ -12,6 +12,7 @@
 mod halves;
 mod survey;
 mod tile;
+mod window;
 
 use std::ops::Range;
 
@@ -21,6 +22,7 @@ use ndarray::{ArrayView3, Axis};
 pub use halves::{narrow, widen};
 pub use survey::{Cells, Survey, SurveyRow};
 pub use tile::PlaneTile;
+pub use window::Window;
 
 /// Samples of all planes, in the width of the file they came from.
 #[derive(Clone, Debug, PartialEq)]

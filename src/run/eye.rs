@@ -11,7 +11,7 @@ use crate::display::{Display, ToneMap};
 use crate::error::{Error, Result};
 use crate::eye::pigment::Model;
 use crate::eye::{self, Eye, Look, Stimulus};
-use crate::light::{Planes, Samples};
+use crate::light::{Planes, Samples, Window};
 use crate::plot::marks::Marks;
 use crate::run::checkpoint::{self, Checkpoint};
 use crate::run::gaze::{Gaze, Moment};
@@ -31,6 +31,8 @@ pub(crate) struct Watching {
     /// The frames that have pictures, if not all.
     range: Option<Vec<u32>>,
     pub probes: Vec<Probe>,
+    /// The display window among the pixels of a frame.
+    pub window: Window,
     pub display: Option<Display>,
     /// Whether display pictures show the gaze and the time.
     pub marks: bool,
@@ -54,6 +56,7 @@ impl Watching {
             gaze: Gaze::of(config)?,
             range: scene.range.clone(),
             probes: record::probes(config),
+            window: scene.footage.window(),
             display: shown.then(|| config.display()),
             marks: config.settings.output.marks,
             map: None,
@@ -133,9 +136,8 @@ impl Watching {
         recycled: Option<Planes>,
     ) -> (Look, Vec<Reading>) {
         let planes = &loaded.frame.planes;
-        let size = [planes.width, planes.height];
         let brightest = || eye::brightest(self.eye.vision(), planes, &loaded.survey);
-        let gaze = self.gaze.pixel(aim, brightest, size, self.eye.first_gaze());
+        let gaze = self.gaze.pixel(aim, brightest, self.window, self.eye.first_gaze());
         if let Some(spare) = recycled {
             self.eye.recycle(spare);
         }
@@ -147,7 +149,10 @@ impl Watching {
             uniform: loaded.uniform.as_deref(),
         };
         let look = self.eye.look_at(stimulus, gaze, duration);
-        let readings = self.probes.iter().map(|probe| probe.read(&self.eye, planes, &look));
+        let readings = self.probes.iter().map(|probe| {
+            let pixel = probe.pixel(planes, self.window, look.gaze);
+            probe.read(&self.eye, planes, &look, pixel)
+        });
         let readings = readings.collect();
         (look, readings)
     }
@@ -177,16 +182,21 @@ impl Watching {
             name: format!("{:04}", step.number),
             pictured,
             file: step.file,
-            trace: record::trace_row(&self.eye, planes, &look, step),
+            trace: record::trace_row(&self.eye, planes, self.window, &look, step),
             probes: record::probe_rows(&readings, step),
             map: self.map.clone(),
-            marks: self.marks.then_some(Marks { gaze: look.gaze, time: step.end() }),
+            marks: self.marks(&look, step.end()),
             state: self.state_file(step, size, last, pictured),
             seen: look.percept,
         };
         self.done += 1;
         self.timing.simulate_s += begun.elapsed().as_secs_f64();
         finished
+    }
+
+    /// What is drawn into the display picture.
+    fn marks(&self, look: &Look, time: f64) -> Option<Marks> {
+        self.marks.then(|| Marks { gaze: self.window.in_window(look.gaze), time })
     }
 
     fn is_pictured(&self, step: &Step) -> bool {
@@ -216,7 +226,7 @@ impl Watching {
             trace: String::new(),
             probes: String::new(),
             map,
-            marks: self.marks.then_some(Marks { gaze: look.gaze, time: step.start }),
+            marks: self.marks(&look, step.start),
             state: None,
             seen: look.percept,
         })

@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::config::Config;
 use crate::config::settings::{Aim, Seek};
 use crate::error::{Error, Result};
+use crate::light::Window;
 
 /// Where the eye looks over a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,22 +70,21 @@ impl Gaze {
         })
     }
 
-    /// The point looked at in pixels. `brightest`: the centroid of the frame's brightest region;
+    /// The point looked at in pixels of the frame. `brightest`: the centroid of the frame's brightest region;
     /// `first`: where the first look went.
     pub fn pixel(
         &self,
         at: Moment,
         brightest: impl FnOnce() -> [f64; 2],
-        size: [usize; 2],
+        window: Window,
         first: Option<[f64; 2]>,
     ) -> [f64; 2] {
-        let of_fraction = |at: [f64; 2]| [0, 1].map(|i| at[i] * size[i] as f64 - 0.5);
         match self {
-            Gaze::At(at) => of_fraction(*at),
+            Gaze::At(at) => window.pixel(*at),
             Gaze::Brightest => first.unwrap_or_else(brightest),
             Gaze::BrightestEach => brightest(),
-            Gaze::Path(path) if path.in_pixels => path.place(at),
-            Gaze::Path(path) => of_fraction(path.place(at)),
+            Gaze::Path(path) if path.in_pixels => window.in_frame(path.place(at)),
+            Gaze::Path(path) => window.pixel(path.place(at)),
         }
     }
 
@@ -98,8 +98,8 @@ impl Gaze {
     }
 
     /// Where the first look goes, in pixels.
-    pub fn at_first(&self, brightest: impl FnOnce() -> [f64; 2], size: [usize; 2]) -> [f64; 2] {
-        self.pixel(Moment { time: 0.0, frame: 0 }, brightest, size, None)
+    pub fn at_first(&self, brightest: impl FnOnce() -> [f64; 2], window: Window) -> [f64; 2] {
+        self.pixel(Moment { time: 0.0, frame: 0 }, brightest, window, None)
     }
 }
 

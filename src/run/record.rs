@@ -10,7 +10,7 @@ use crate::config::Config;
 use crate::error::{Error, Result};
 use crate::eye::{Eye, Look};
 use crate::kinetics::Kinetics;
-use crate::light::Planes;
+use crate::light::{Planes, Window};
 use crate::run::schedule::Step;
 use crate::units::Millimetres;
 
@@ -104,23 +104,27 @@ pub fn probes(config: &Config) -> Vec<Probe> {
 }
 
 impl Probe {
-    /// The probe's pixel: floor(at * size), inside the picture.
-    pub fn pixel(&self, size: [usize; 2], gaze: [f64; 2]) -> [usize; 2] {
-        [0, 1].map(|i| {
-            let pixel = self.at.map_or(gaze[i].round(), |at| (at[i] * size[i] as f64).floor());
-            (pixel.max(0.0) as usize).min(size[i] - 1)
-        })
+    /// The probe's pixel of a frame: floor(at * size) of the window, or the one that is looked at.
+    pub fn pixel(&self, planes: &Planes, window: Window, gaze: [f64; 2]) -> [usize; 2] {
+        let looked_at = || nearest(gaze, [planes.width, planes.height]);
+        self.at.map_or_else(looked_at, |at| window.holding(at))
     }
 
-    /// Reads the probe after a look.
-    pub fn read(&self, eye: &Eye, planes: &Planes, look: &Look) -> Reading {
-        let pixel = self.pixel([planes.width, planes.height], look.gaze);
-        self.reading(eye, planes, look, eye.fractions_at(look, pixel))
+    /// Reads the probe, whose pixel is given, after a look.
+    pub fn read(&self, eye: &Eye, planes: &Planes, look: &Look, pixel: [usize; 2]) -> Reading {
+        self.reading(eye, planes, look, pixel, eye.fractions_at(look, pixel))
     }
 
     /// What the probe reads where these fractions are unbleached.
-    pub fn reading(&self, eye: &Eye, planes: &Planes, look: &Look, p: [f64; 3]) -> Reading {
-        let (pixel, vision) = (self.pixel([planes.width, planes.height], look.gaze), eye.vision());
+    pub fn reading(
+        &self,
+        eye: &Eye,
+        planes: &Planes,
+        look: &Look,
+        pixel: [usize; 2],
+        p: [f64; 3],
+    ) -> Reading {
+        let vision = eye.vision();
         let moments = vision.moments(eye.seen_light(planes), pixel[0], pixel[1]);
         let [whole, catch] = [[1.0; 3], p].map(|p| vision.catch(&moments, p));
         Reading {
@@ -134,10 +138,15 @@ impl Probe {
     }
 }
 
+/// The pixel of a picture that is nearest to a place.
+pub fn nearest(place: [f64; 2], size: [usize; 2]) -> [usize; 2] {
+    [0, 1].map(|i| (place[i].round().max(0.0) as usize).min(size[i] - 1))
+}
+
 /// The row of `trace.csv`.
-pub fn trace_row(eye: &Eye, planes: &Planes, look: &Look, step: &Step) -> String {
+pub fn trace_row(eye: &Eye, planes: &Planes, window: Window, look: &Look, step: &Step) -> String {
     let size = [planes.width, planes.height];
-    let at = [0, 1].map(|i| (look.gaze[i] + 0.5) / size[i] as f64);
+    let at = window.fraction(look.gaze);
     let sce = eye.vision().observer.equal_energy_weight(look.pupil, Millimetres(0.0));
     let fovea = foveal_bleaching(eye, size, look);
     let most = look.stats.least.map(|p| 1.0 - p);
@@ -156,8 +165,7 @@ fn foveal_bleaching(eye: &Eye, size: [usize; 2], look: &Look) -> [f64; 3] {
         count += 1.0;
     }
     if count == 0.0 {
-        let nearest = [0, 1].map(|i| (look.gaze[i].round().max(0.0) as usize).min(size[i] - 1));
-        return eye.fractions_at(look, nearest).map(|p| 1.0 - p);
+        return eye.fractions_at(look, nearest(look.gaze, size)).map(|p| 1.0 - p);
     }
     sum.map(|s| s / count)
 }

@@ -7,7 +7,9 @@ use crate::config::Config;
 use crate::config::settings::Input;
 use crate::error::{Error, Result};
 use crate::eye::{Eye, plan};
-use crate::frames::{self, About, Footage, Header, Kind, Transfer, View, builtin};
+use crate::frames::{
+    self, About, Footage, Header, Kind, Overscan, ReadOptions, Transfer, View, builtin,
+};
 use crate::optics::{Optics, Psf};
 use crate::run::reader::Sequence;
 use crate::run::schedule::{self, Step};
@@ -47,11 +49,8 @@ impl Scene {
             let view = View { horizontal_fov_deg: builtin::FIELD_DEG, ..View::default() };
             return Scene::of(config, footage, frames, Default::default(), view);
         };
-        let mut footage = frames::open(&sequence.files, &config.read_options()?)?;
+        let footage = footage_of(config, &sequence.files)?;
         apply_to(config, &*footage)?;
-        if let Some(width) = config.settings.input.width {
-            footage = frames::no_wider(footage, width as usize);
-        }
         let sequence = sequence
             .of_film(footage.len())
             .map_err(|problem| config.wrong("input.range", problem))?;
@@ -80,7 +79,7 @@ impl Scene {
         let steps = schedule::looks(config, &frames)?;
         let range = range_of(config, &steps)?;
         let header = footage.header();
-        let pixels_per_degree = view.pixels_per_degree(header.width);
+        let pixels_per_degree = view.pixels_per_degree(footage.window().size[0]);
         let mut white = None;
         let vision = match &header.kind {
             Kind::Spectral(bands) => Vision::of_bands(config.observer(), bands),
@@ -134,6 +133,21 @@ impl Scene {
             white,
             frames_per_second: schedule::rate(&self.steps),
             sungaze: Some(made_by.to_string()),
+        }
+    }
+}
+
+/// The footage of files, reduced to the width that is asked for. Reduced frames are seen without
+/// their overscan.
+fn footage_of(config: &Config, files: &[PathBuf]) -> Result<Box<dyn Footage>> {
+    let options = config.read_options()?;
+    let footage = frames::open(files, &options)?;
+    let width = config.settings.input.width.map(|width| width as usize);
+    match width.filter(|width| footage.header().width > *width) {
+        None => Ok(footage),
+        Some(width) => {
+            let options = ReadOptions { overscan: Overscan::None, ..options };
+            Ok(frames::no_wider(frames::open(files, &options)?, width))
         }
     }
 }

@@ -10,7 +10,7 @@ use std::time::Instant;
 use crate::display::{Display, ToneMap};
 use crate::error::{Error, Result};
 use crate::frames::{self, About, Compression, Footage, atomic};
-use crate::light::Planes;
+use crate::light::{Planes, Window};
 use crate::plot::marks::Marks;
 use crate::run::checkpoint::Checkpoint;
 use crate::run::report::Timing;
@@ -47,9 +47,9 @@ pub struct Finished {
 
 impl Finished {
     /// Its display picture with its marks.
-    fn marked(&self, rgb: Vec<u8>) -> Vec<u8> {
+    fn marked(&self, [width, height]: [usize; 2], rgb: Vec<u8>) -> Vec<u8> {
         match self.marks {
-            Some(marks) => marks.draw(self.seen.width, self.seen.height, rgb),
+            Some(marks) => marks.draw(width, height, rgb),
             None => rgb,
         }
     }
@@ -63,6 +63,8 @@ pub struct Writer<'a> {
     pub seen_to_srgb: [[f32; 3]; 3],
     /// Whether `seen` is written at all.
     pub seen: bool,
+    /// The display window among the pixels of a percept: all that display pictures show.
+    pub window: Window,
     /// Whose frames pass on with `seen` what else they carry.
     pub plates: Option<&'a dyn Footage>,
     pub compression: Compression,
@@ -189,7 +191,9 @@ impl Writer<'_> {
     pub fn write(&self, frame: &Finished, spent: &mut Timing) -> Result<Vec<PathBuf>> {
         let begun = Instant::now();
         let map = frame.map.as_ref().filter(|_| frame.pictured);
-        let picture = map.map(|map| frame.marked(self.picture(&frame.seen, map)));
+        let size = self.window.size;
+        let shown = |map| self.picture(&self.window.of(&frame.seen), map);
+        let picture = map.map(|map| frame.marked(size, shown(map)));
         spent.display_s += begun.elapsed().as_secs_f64();
         let begun = Instant::now();
         let (mut written, name) = (Vec::new(), &frame.name);
@@ -205,7 +209,7 @@ impl Writer<'_> {
         }
         if let Some(rgb) = picture {
             let path = named(format!("display.{name}.png"));
-            frames::write_png(&path, frame.seen.width, frame.seen.height, &rgb)?;
+            frames::write_png(&path, size[0], size[1], &rgb)?;
         }
         if let Some((number, planes, time)) = &frame.state {
             let path = named(number.map_or("state.exr".into(), |n| format!("state.{n:04}.exr")));

@@ -61,9 +61,9 @@ impl CaseEye {
     /// What a probe would read if this light lasted.
     fn for_ever(&self, loaded: &Loaded, look: &Look, probe: &Probe) -> Reading {
         let (eye, planes) = (&self.0.eye, &loaded.frame.planes);
-        let pixel = probe.pixel([planes.width, planes.height], look.gaze);
+        let pixel = probe.pixel(planes, self.0.window, look.gaze);
         let light = eye.illuminance_at(planes, look, pixel);
         let p = [0, 1, 2].map(|k| eye.pigments()[k].steady(Trolands(light[k])));
-        probe.reading(eye, planes, look, p)
+        probe.reading(eye, planes, look, pixel, p)
     }
 }

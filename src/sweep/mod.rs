@@ -229,12 +229,14 @@ impl Cells<'_> {
         let writer =
             run::writer(&case.config, scene, &run::resolved(&case.config.settings), beside.path())?;
         let mut pass = Pass::new(opened, first, self)?;
+        let window = scene.footage.window();
         for span in spans {
             if self.watch.interrupted() {
                 return Err(Error::Interrupted { resumable: true });
             }
             let Some((cell, look)) = pass.watch(span)? else { continue };
-            pass.pictures.extend(writer.picture(&area::reduced(&look.percept, pass.size), map));
+            let small = area::reduced(&window.of(&look.percept), pass.size);
+            pass.pictures.extend(writer.picture(&small, map));
             if self.sweep.pictures {
                 let cell = finished(case, cell, (span, look), map);
                 writer.write(&cell, &mut Timing::default())?;
@@ -264,7 +266,6 @@ struct Pass<'a> {
 
 impl<'a> Pass<'a> {
     fn new(opened: &'a Opened<'a>, first: &Arc<Loaded>, cells: &Cells<'a>) -> Result<Pass<'a>> {
-        let planes = &first.frame.planes;
         let mended = usize::from(first.frame.tally.non_finite() > 0);
         Ok(Pass {
             opened,
@@ -272,7 +273,7 @@ impl<'a> Pass<'a> {
             eye: CaseEye::new(&opened.case.config, &opened.scene)?,
             file: opened.first_file(),
             light: first.clone(),
-            size: area::size([planes.width, planes.height], cells.side),
+            size: area::size(opened.scene.footage.window().size, cells.side),
             rows: table::header(&cells.sweep.keys),
             pictures: Vec::new(),
             steady: Vec::new(),

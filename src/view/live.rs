@@ -4,6 +4,7 @@
 //! configuration gives the same pictures, bit for bit, so going back is living again from a key
 //! frame, and a changed observer lives the same path once more.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use serde_json::Value;
@@ -81,7 +82,7 @@ impl Live {
         let map = Arc::new(display.follow(None, &look.survey, Seconds(0.0)));
         let before = Arc::new(before);
         let gaze = first_gaze(&config, &scene, &loaded)?;
-        let head = Head::rested([before.width, before.height], gaze);
+        let head = Head::rested(scene.footage.window().size, gaze);
         let path = if saved { recorded(&config)? } else { Vec::new() };
         Ok(Live {
             keys: Keys::new(Seen { eye: eye.state(), map: map.clone() }),
@@ -207,13 +208,13 @@ impl Live {
         let duration = end - start;
         self.load(self.reel.file(start))?;
         let light = &self.loaded.1;
-        let at = [0, 1].map(|i| gaze[i] * self.head.size[i] as f64 - 0.5);
+        let at = self.scene.footage.window().pixel(gaze);
         if let Some(spare) = self.spare.take() {
             self.eye.recycle(spare);
         }
         let (look, percept) = parted(self.eye.look_at(stimulus(light), at, Seconds(duration)));
         self.map = Arc::new(self.display.follow(Some(&self.map), &look.survey, Seconds(duration)));
-        let pixel = [0, 1].map(|i| (at[i].round().max(0.0) as usize).min(self.head.size[i] - 1));
+        let pixel = record::nearest(at, [percept.width, percept.height]);
         let p = self.eye.fractions_at(&look, pixel);
         self.head = Head { time: end, duration, p, gaze, ..self.head };
         (self.head.pupil_mm, self.head.fovea) = (look.pupil.0, look.adapting.0);
@@ -244,10 +245,18 @@ impl Live {
         Picture {
             head: self.head,
             lasts: true,
-            percept: if before { self.before.clone() } else { self.percept.clone() },
+            percept: self.shown(if before { &self.before } else { &self.percept }),
             to_srgb: self.scene.vision.seen_to_srgb.map(|row| row.map(|v| v as f32)),
             display: self.display,
             map: self.map.clone(),
+        }
+    }
+
+    /// The part of a percept that a display shows.
+    fn shown(&self, percept: &Arc<Planes>) -> Arc<Planes> {
+        match self.scene.footage.window().of(percept) {
+            Cow::Borrowed(_) => percept.clone(),
+            Cow::Owned(shown) => Arc::new(shown),
         }
     }
 
@@ -257,7 +266,8 @@ impl Live {
         let start = last.checked_sub(1).map_or(0.0, |i| self.path[i].end);
         let duration = self.path[last].end - start;
         let step = Step { number: self.lived as u32, file: self.loaded.0, start, duration };
-        Some(record::trace_row(&self.eye, &self.loaded.1.frame.planes, &self.look, &step))
+        let (planes, window) = (&self.loaded.1.frame.planes, self.scene.footage.window());
+        Some(record::trace_row(&self.eye, planes, window, &self.look, &step))
     }
 
     /// Sets keys of the configuration, of which null is the default. Other displays show the last
@@ -291,10 +301,10 @@ fn recorded(config: &Config) -> Result<Vec<Moment>> {
 
 /// Where the eye looks at first, fractions of the picture.
 fn first_gaze(config: &Config, scene: &Scene, light: &Loaded) -> Result<[f64; 2]> {
-    let size = [light.frame.planes.width, light.frame.planes.height];
+    let window = scene.footage.window();
     let brightest = || eye::brightest(&scene.vision, &light.frame.planes, &light.survey);
-    let at = Gaze::of(config)?.at_first(brightest, size);
-    Ok([0, 1].map(|i| ((at[i] + 0.5) / size[i] as f64).clamp(0.0, 1.0)))
+    let at = Gaze::of(config)?.at_first(brightest, window);
+    Ok(window.fraction(at).map(|at| at.clamp(0.0, 1.0)))
 }
 
 /// A look and its percept, each by itself.

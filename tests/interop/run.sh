@@ -1,6 +1,6 @@
 #!/bin/sh
 # Writes frame files with OpenEXR, Mitsuba, colour-science, Spectral Python, Pillow, Radiance and imageio, and checks that
-# `sungaze inspect --json` reads the same out of them; that plates pass through; and that what is seen of spectra is what
+# `sungaze inspect --json` reads the same out of them; that plates pass through; that PIZ is OpenEXR's to the bit; and that what is seen of spectra is what
 # colour-science and Mitsuba make of them. Needs the network once; not part of the checks of every commit.
 #
 #   tests/interop/run.sh [VENV]
@@ -22,4 +22,5 @@ if [ -z "${SUNGAZE:-}" ]; then
 fi
 "$venv/bin/python" "$here/check.py" "$SUNGAZE" "$work"
 "$venv/bin/python" "$here/plates.py" "$SUNGAZE" "$work"
+"$venv/bin/python" "$here/piz.py" "$SUNGAZE" "$work"
 "$venv/bin/python" "$here/light.py" "$SUNGAZE" "$work"
