@@ -389,6 +389,38 @@ fn traced(folder: &Path, keys: &str) -> Vec<Vec<String>> {
     rows.lines().skip(1).map(|row| row.split(',').map(str::to_owned).collect()).collect()
 }
 
+#[test]
+fn a_killed_run_of_a_film_is_resumed_to_the_same_bytes() {
+    if !has_ffmpeg() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let codes: Vec<u8> = (0..80).map(|i| 80 + i).collect();
+    film(folder.path(), "a.mkv", &greys(&codes), &GREY, &SDR);
+    let run = |out: &str, more: &[&str]| {
+        let mut command = program();
+        command.args(["run", "a.mkv", "--fov", "20", "--quiet", "--out", out]).args(more);
+        command.args(["--set", "input.peak_cd_m2=9000", "--set", "output.checkpoint_s=0"]);
+        command.current_dir(folder.path());
+        command
+    };
+    assert!(run("whole", &[]).status().unwrap().success());
+    // Killed as soon as there is something to go on from, which is long before the last frame.
+    let mut killed = run("killed", &[]).spawn().unwrap();
+    let checkpoint = folder.path().join("killed/checkpoint.sungaze");
+    while !checkpoint.exists() && killed.try_wait().unwrap().is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    killed.kill().unwrap();
+    killed.wait().unwrap();
+    assert!(checkpoint.exists(), "it was over before it could be killed");
+    assert!(run("killed", &["--resume"]).status().unwrap().success());
+    for name in ["probes.csv", "trace.csv", "seen.0080.exr", "display.0080.png", "state.exr"] {
+        let bytes = |out: &str| std::fs::read(folder.path().join(out).join(name)).unwrap();
+        assert!(bytes("killed") == bytes("whole"), "{name}");
+    }
+}
+
 /// The most memory that a run of a film of so many frames has held, kB, as Linux counts it.
 #[cfg(target_os = "linux")]
 fn most_memory(folder: &Path, frames: u8) -> u64 {

@@ -234,12 +234,12 @@ fn passed_over(names: &[String], used: &[usize]) -> Vec<String> {
     let mut notes = Vec::new();
     if !stokes.is_empty() {
         notes.push(format!(
-            "passed over the polarisation (S1, S2, S3) in {} channels",
+            "not looked at: the polarisation (S1, S2, S3) in {} channels",
             stokes.len()
         ));
     }
     if !others.is_empty() {
-        notes.push(format!("passed over {}", listed(&others)));
+        notes.push(format!("not looked at: {}", listed(&others)));
     }
     notes
 }
