@@ -7,6 +7,7 @@ use std::process::{Command, Stdio};
 use sungaze::colour::Primaries;
 use sungaze::config::Config;
 use sungaze::frames::{Footage, Kind, ReadOptions, Transfer, open, write_png};
+use sungaze::light::Samples;
 
 fn has_ffmpeg() -> bool {
     let found = Command::new("ffmpeg").arg("-version").stdout(Stdio::null()).status().is_ok();
@@ -387,6 +388,26 @@ fn traced(folder: &Path, keys: &str) -> Vec<Vec<String>> {
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let rows = std::fs::read_to_string(out.join("trace.csv")).unwrap();
     rows.lines().skip(1).map(|row| row.split(',').map(str::to_owned).collect()).collect()
+}
+
+/// Codes of 12 bits and less are no finer than halves, and halves take half the room.
+#[test]
+fn what_is_seen_of_a_film_is_written_in_halves() {
+    if !has_ffmpeg() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    film(folder.path(), "a.mkv", &greys(&[17, 180, 235]), &GREY, &SDR);
+    traced(folder.path(), "numerics.model = \"none\"\n");
+    for (number, code) in [(1, 17.0), (2, 180.0), (3, 235.0f64)] {
+        let path = folder.path().join(format!("o/seen.000{number}.exr"));
+        let footage = opened(&path, None);
+        let planes = footage.read(0, None, None).unwrap().planes;
+        assert!(matches!(planes.samples, Samples::Half(_)));
+        let expected = ((code - 16.0) / 219.0).powf(2.4);
+        let found = planes.at(3, 3, 0);
+        assert!((found - expected).abs() < 6e-8 + 5e-4 * expected, "{found} {expected}");
+    }
 }
 
 #[test]

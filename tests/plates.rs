@@ -288,3 +288,25 @@ fn primaries_that_were_given_are_those_of_what_is_written() {
     let acescg = floats(&[0.713, 0.293, 0.165, 0.83, 0.128, 0.044, 0.32168, 0.33767]);
     assert_eq!(written(Some(Primaries::ACESCG)), acescg);
 }
+
+#[test]
+fn of_blenders_layers_the_combined_one_is_the_picture() {
+    let folder = tempfile::tempdir().unwrap();
+    let of_layer = |layer: &'static str| ["A", "B", "G", "R"].map(|name| format!("{layer}.{name}"));
+    let opened = |layers: &[&'static str]| {
+        let mut names: Vec<String> = layers.iter().flat_map(|layer| of_layer(layer)).collect();
+        names.sort();
+        let channels: Vec<Channel> = names.iter().map(|name| (&**name, 1, FULL)).collect();
+        let path = saved(folder.path(), "b.exr", &file(0x400, vec![plate(&channels)]));
+        open(&[path], &ReadOptions::default())
+    };
+    let footage = opened(&["View.Combined", "View.DiffDir"]).unwrap();
+    // Red is the fourth of its channels; see `rows`.
+    let red = footage.read(0, None, None).unwrap().planes.at(0, 0, 0);
+    assert_eq!(red, (300.0 + 2.0 * 7.0 + 3.0) / 4.0);
+    assert!(footage.header().notes.contains(&"layer `View.Combined`".into()));
+    for ambiguous in [&["A.Combined", "B.Combined"], &["View.DiffDir", "View.Emit"]] {
+        let problem = opened(ambiguous).map(|_| ()).unwrap_err().to_string();
+        assert!(problem.contains("another layer or part is chosen by `layer`"), "{problem}");
+    }
+}

@@ -8,13 +8,34 @@ use crate::frames::channels::{Choice, Offer, choose, listed};
 use crate::frames::exr_file::{ExrFile, text};
 use crate::frames::options::ReadOptions;
 
-/// The part, the prefix of the channels and the channels of the wanted layer. The problem, if there
-/// is one, is a message.
+/// What Blender calls the layer that is the whole picture, after the name of its view layer.
+const WHOLE: &str = ".Combined";
+
+/// The part, the prefix of the channels and the channels of the wanted layer; of a file of Blender's
+/// without a picture outside its layers, the whole picture. The problem, if there is one, is a
+/// message.
 pub(super) fn chosen(
     file: &ExrFile,
     options: &ReadOptions,
 ) -> Result<(usize, String, Choice), String> {
-    let layer = options.layer.as_str();
+    let found = in_layer(file, options, &options.layer);
+    let names = layer_names(file);
+    let mut whole = names.iter().filter(|name| name.ends_with(WHOLE));
+    match (found, whole.next(), whole.next()) {
+        (Err(_), Some(only), None) if options.layer.is_empty() => {
+            let (part, prefix, mut choice) = in_layer(file, options, only)?;
+            choice.notes.push(format!("layer `{only}`"));
+            Ok((part, prefix, choice))
+        }
+        (found, ..) => found,
+    }
+}
+
+fn in_layer(
+    file: &ExrFile,
+    options: &ReadOptions,
+    layer: &str,
+) -> Result<(usize, String, Choice), String> {
     let headers = file.meta.headers.iter().enumerate();
     let mut problem = None;
     for (index, header) in headers {
@@ -81,7 +102,7 @@ fn decimal(value: f32) -> f64 {
 }
 
 /// Names of parts, and of layers inside them.
-fn layers(file: &ExrFile) -> String {
+fn layer_names(file: &ExrFile) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for header in &file.meta.headers {
         names.extend(header.own_attributes.layer_name.as_ref().map(text));
@@ -92,6 +113,12 @@ fn layers(file: &ExrFile) -> String {
     }
     names.sort();
     names.dedup();
+    names
+}
+
+/// The same, for people.
+fn layers(file: &ExrFile) -> String {
+    let names = layer_names(file);
     if names.is_empty() {
         "none, so leave `layer` empty".into()
     } else {

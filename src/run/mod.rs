@@ -173,6 +173,7 @@ pub(crate) fn writer<'a>(
         seen_to_srgb: scene.vision.seen_to_srgb.map(|row| row.map(|v| v as f32)),
         seen: config.settings.output.seen == SeenKey::Exr,
         window: scene.footage.window(),
+        halved: scene.footage.header().transfer.is_some(),
         plates: (config.settings.output.keep == KeepKey::All).then_some(&*scene.footage),
         compression: config.compression()?,
         about: scene.about(&digest),

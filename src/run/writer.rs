@@ -1,5 +1,6 @@
 //! The last stage of a run: tone-maps, encodes and writes, in order, behind the eye.
 
+use std::borrow::Cow;
 use std::fs::{File, OpenOptions};
 use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
@@ -7,15 +8,20 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender};
 use std::time::Instant;
 
+use half::f16;
+use rayon::prelude::*;
+
 use crate::display::{Display, ToneMap};
 use crate::error::{Error, Result};
 use crate::frames::{self, About, Compression, Footage, atomic};
-use crate::light::{Planes, Window};
+use crate::light::{Planes, Samples, Window, narrow};
 use crate::plot::marks::Marks;
 use crate::run::checkpoint::Checkpoint;
 use crate::run::report::Timing;
 use crate::run::watch::Watch;
 
+/// Samples that one thread turns into halves at a time.
+const RUN: usize = 1 << 16;
 /// Files that may wait to be synced together.
 const MOST_UNSYNCED: usize = 1000;
 
@@ -63,6 +69,8 @@ pub struct Writer<'a> {
     pub seen_to_srgb: [[f32; 3]; 3],
     /// Whether `seen` is written at all.
     pub seen: bool,
+    /// Whether as halves, whatever it was computed in: codes of a film hold no more.
+    pub halved: bool,
     /// The display window among the pixels of a percept: all that display pictures show.
     pub window: Window,
     /// Whose frames pass on with `seen` what else they carry.
@@ -204,8 +212,8 @@ impl Writer<'_> {
         if self.seen && frame.pictured {
             let path = named(format!("seen.{name}.exr"));
             let plate = self.plates.map_or(Ok(None), |footage| footage.plate(frame.file))?;
-            let (seen, about) = (&frame.seen, &self.about);
-            frames::write_percept(&path, seen, self.compression, about, plate.as_ref())?;
+            let (seen, about) = (self.in_file(&frame.seen), &self.about);
+            frames::write_percept(&path, &seen, self.compression, about, plate.as_ref())?;
         }
         if let Some(rgb) = picture {
             let path = named(format!("display.{name}.png"));
@@ -218,6 +226,20 @@ impl Writer<'_> {
         }
         spent.encode_s += begun.elapsed().as_secs_f64();
         Ok(written)
+    }
+
+    /// The percept as its file holds it.
+    fn in_file<'a>(&self, seen: &'a Planes) -> Cow<'a, Planes> {
+        let Samples::Float(floats) = &seen.samples else { return Cow::Borrowed(seen) };
+        if !self.halved {
+            return Cow::Borrowed(seen);
+        }
+        let mut halves = vec![f16::ZERO; floats.len()];
+        let runs = halves.par_chunks_mut(RUN).zip(floats.par_chunks(RUN));
+        runs.for_each(|(halves, floats)| {
+            narrow(floats, halves);
+        });
+        Cow::Owned(Planes { samples: Samples::Half(halves), ..*seen })
     }
 
     /// The percept as sRGB bytes.
