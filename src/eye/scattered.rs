@@ -123,7 +123,7 @@ impl Eye {
     /// matters: a veil that is not drawn over pigment that does not bleach, or that of a field,
     /// which scatters itself.
     pub(super) fn scatter(&mut self, s: Stimulus<'_>, bleaches: bool) -> Option<OpticsStage> {
-        if self.uniform.is_some() {
+        if self.optics.is_none() || self.uniform.is_some() {
             return None;
         }
         let beyond = self.light_beyond();
