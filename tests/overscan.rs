@@ -235,3 +235,16 @@ fn a_data_window_that_does_not_meet_the_display_is_no_overscan() {
     assert_eq!(footage.window(), Window::whole([8, 8]));
     assert_eq!(footage.read(0, None, None).unwrap().planes.at(3, 3, 0), 0.0);
 }
+
+#[test]
+fn a_frame_is_as_large_as_what_is_shown_of_it_and_its_ranges_are_of_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = frame(&folder.path().join("a.exr"), DISPLAY, DATA, 100.0);
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sungaze"));
+    let told = command.args(["inspect", "--json"]).arg(&path).output().unwrap();
+    let told: serde_json::Value = serde_json::from_slice(&told.stdout).unwrap();
+    let told = if told.is_array() { told[0].clone() } else { told };
+    assert_eq!((told["width"].as_u64(), told["height"].as_u64()), (Some(12), Some(8)), "{told}");
+    let lamp = light(0, 0, 1, 100.0);
+    assert!(told["ranges"][1][1].as_f64().unwrap() >= f64::from(lamp) - 0.1, "{told}");
+}

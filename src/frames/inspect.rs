@@ -22,6 +22,7 @@ const FEW: usize = 8;
 pub struct Inspection {
     pub file: String,
     pub format: String,
+    /// The size of what is shown, without overscan: an EXR's display window.
     pub width: usize,
     pub height: usize,
     /// `rgb`, `spectral`, or nothing where the channels' names tell neither.
@@ -37,7 +38,8 @@ pub struct Inspection {
     pub duration_s: Option<f64>,
     /// Smallest and largest luminance, where it can be told.
     pub luminance_cd_m2: Option<[f64; 2]>,
-    /// Smallest and largest finite value of each plane, in the order of the bands or R, G, B.
+    /// Smallest and largest finite value of each plane, in the order of the bands or R, G, B,
+    /// overscan included.
     pub ranges: Vec<[f64; 2]>,
     pub nan: u64,
     pub infinite: u64,
@@ -72,6 +74,7 @@ pub(super) fn inspect(
     };
     let Tally { nan, infinite, negative, clipped } = tally;
     let mut bare = bare(path, format.name, header);
+    [bare.width, bare.height] = picture.window().size;
     if let Some([starts @ .., end]) = picture.times() {
         (bare.frames, bare.duration_s) = (Some(starts.len()), Some(*end));
     }
