@@ -78,11 +78,15 @@ fn talk(service: &Service, stream: TcpStream, rest: Vec<u8>) -> Result<()> {
     stream.set_read_timeout(None)?;
     let page = service.exchange.come();
     std::thread::scope(|threads| {
-        threads.spawn(|| {
+        let writer = std::thread::Builder::new().spawn_scoped(threads, || {
             // A page that is gone has no use for the reason.
             let _ = write(service, stream.try_clone()?, page);
             stream.shutdown(std::net::Shutdown::Both)
         });
+        if let Err(error) = writer {
+            service.exchange.go(page);
+            return Err(error);
+        }
         while let Some(text) = text(&mut reads) {
             match Message::read(&text) {
                 Ok(message) => service.exchange.ask(page, message),
@@ -90,8 +94,8 @@ fn talk(service: &Service, stream: TcpStream, rest: Vec<u8>) -> Result<()> {
             }
         }
         service.exchange.go(page);
-    });
-    Ok(())
+        Ok(())
+    })
 }
 
 /// The next text of a page; `None` at its end, and when it sends anything else.
