@@ -295,6 +295,14 @@ impl Eye {
         })
     }
 
+    /// Promises that the gaze stays where it first goes: the veil beyond the picture, which only
+    /// places meet that a gaze brings in later, is spared. If it moves all the same, the surround
+    /// alone lies there. To be said before the first look.
+    pub fn hold_gaze(&mut self) {
+        self.optics.iter_mut().for_each(OpticsStage::hold_gaze);
+        self.retina.forget_cells();
+    }
+
     /// Looks at a frame for a while. `frame`: shape (height, width, planes), half or float, in the
     /// light's own order: R, G, B or bands.
     ///

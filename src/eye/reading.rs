@@ -29,15 +29,15 @@ impl Eye {
         optics: Option<&'a OpticsStage>,
         pupil: Millimetres,
     ) -> Around<'a, f32> {
-        match optics {
-            Some(optics) => Around::Grid(optics.light_around()),
+        match optics.and_then(OpticsStage::light_around) {
+            Some(td) => Around::Grid(td),
             None => Around::Alike(self.surround_illuminance(pupil).map(|td| td as f32)),
         }
     }
 
     /// Cone illuminance of a place beyond the picture of a frame that was looked at, td.
     fn illuminance_around(&self, pupil: Millimetres, [x, y]: [i64; 2]) -> [f64; 3] {
-        match self.optics.as_ref().and_then(|stage| stage.done_around()) {
+        match self.optics.as_ref().and_then(OpticsStage::light_around) {
             Some(td) => [0, 1, 2].map(|k| f64::from(td.at([x as f64, y as f64], k))),
             None => self.surround_illuminance(pupil),
         }

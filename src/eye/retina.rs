@@ -79,6 +79,11 @@ impl Retina {
         Retina { around, ..self }
     }
 
+    /// The same without them.
+    pub(super) fn forget_cells(&mut self) {
+        self.around = None;
+    }
+
     /// Whether what lies beyond the picture has these cells.
     pub(super) fn has_cells(&self, extent: Option<Extent>) -> bool {
         match (&self.around, extent) {

@@ -22,7 +22,8 @@ pub(super) struct OpticsStage {
     of: Option<Arc<Survey>>,
     /// The survey of the light that is seen.
     seen: Option<Arc<Survey>>,
-    around: VeiledAround,
+    /// The light beyond the picture, unless the gaze is held.
+    around: Option<VeiledAround>,
 }
 
 /// The light beyond the picture, cell by cell.
@@ -36,7 +37,7 @@ impl OpticsStage {
     pub fn new(optics: Optics, draw: Draw) -> OpticsStage {
         let [retinal, planes] = [(); 2].map(|()| Planes::float(0, 0, 0));
         let td = Grid::alike(optics.extent_around(), [0.0; 3]);
-        let around = VeiledAround { canvas: None, planes, td };
+        let around = Some(VeiledAround { canvas: None, planes, td });
         OpticsStage { optics, draw, beyond: None, retinal, of: None, seen: None, around }
     }
 
@@ -54,9 +55,14 @@ impl OpticsStage {
         self.optics.extent_around()
     }
 
+    /// Spares the light beyond the picture, which a gaze that is held never meets.
+    pub fn hold_gaze(&mut self) {
+        self.around = None;
+    }
+
     /// Makes the cone illuminance beyond the picture, by the weight of each plane.
     pub fn illuminate_around(&mut self, weights: &[Vec<f64>; 3]) {
-        let VeiledAround { planes, td, .. } = &mut self.around;
+        let Some(VeiledAround { planes, td, .. }) = &mut self.around else { return };
         let Samples::Float(light) = &planes.samples else { return };
         let (width, count) = (planes.width, planes.count);
         for (row, light) in td.rows_mut().zip(light.chunks_exact(count * width)) {
@@ -70,14 +76,9 @@ impl OpticsStage {
         }
     }
 
-    /// Cone illuminance beyond the picture, td.
-    pub fn light_around(&self) -> &Grid<f32> {
-        &self.around.td
-    }
-
-    /// The same, if a frame was done.
-    pub fn done_around(&self) -> Option<&Grid<f32>> {
-        self.of.is_some().then_some(&self.around.td)
+    /// Cone illuminance beyond the picture, td, once a frame was done.
+    pub fn light_around(&self) -> Option<&Grid<f32>> {
+        self.of.as_ref().and(self.around.as_ref()).map(|around| &around.td)
     }
 
     /// The light on the retina.
@@ -127,7 +128,8 @@ impl Eye {
             return None;
         }
         let beyond = self.light_beyond();
-        let around = self.equal_energy(self.surround_luminance());
+        let free = self.optics.as_ref()?.around.is_some();
+        let around = free.then(|| self.equal_energy(self.surround_luminance()));
         let stage = self.optics.as_mut()?;
         if !bleaches && stage.draw == Draw::Clear {
             stage.of = None;
@@ -135,8 +137,11 @@ impl Eye {
         }
         if !stage.of.as_ref().is_some_and(|of| Arc::ptr_eq(of, s.survey)) {
             stage.optics.exchange(s.planes, beyond.as_deref(), &mut stage.retinal);
-            let VeiledAround { canvas, planes, .. } = &mut stage.around;
-            stage.optics.veil_around(&around, canvas, planes);
+            if let Some((VeiledAround { canvas, planes, .. }, light)) =
+                stage.around.as_mut().zip(around)
+            {
+                stage.optics.veil_around(&light, canvas, planes);
+            }
             stage.of = Some(s.survey.clone());
             stage.seen = (stage.draw == Draw::Veiled)
                 .then(|| Arc::new(survey(&self.vision, &stage.retinal, self.pixels_per_degree)));

@@ -10,10 +10,10 @@
 //! ends. Within about two cells of the border it is as coarse as they are; no certificate holds
 //! there, for what shines beyond a picture is not known either.
 
-use super::Optics;
 use super::gaussians::{Gaussians, Node};
 use super::pyramid::{Pyramid, ones};
 use super::shape::MARGIN;
+use super::{DEPTHS, Optics};
 use crate::light::{Planes, Samples};
 
 /// Most cells along the longer side of the picture.
@@ -63,7 +63,7 @@ impl VeilAround {
         let extent = optics.extent_around();
         let (size, level) = (extent.size, extent.cell.trailing_zeros() as usize);
         let sum = coarser(&optics.sum, extent.cell as f64);
-        let of = |count| Pyramid::new(&sum, &optics.depth, size, count);
+        let of = |count| Pyramid::new(&sum, &DEPTHS[0], size, count);
         let mut alone = VeilAround {
             extent,
             level,

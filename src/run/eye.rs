@@ -51,9 +51,13 @@ pub(crate) struct Watching {
 impl Watching {
     pub fn new(config: &Config, scene: &Scene, resolved: Value) -> Result<Watching> {
         let shown = config.settings.output.display == DisplayFile::Png;
+        let (mut eye, gaze) = (scene.eye(config)?, Gaze::of(config)?);
+        if gaze.is_held() {
+            eye.hold_gaze();
+        }
         Ok(Watching {
-            eye: scene.eye(config)?,
-            gaze: Gaze::of(config)?,
+            eye,
+            gaze,
             range: scene.range.clone(),
             probes: record::probes(config),
             window: scene.footage.window(),

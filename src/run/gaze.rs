@@ -88,6 +88,14 @@ impl Gaze {
         }
     }
 
+    /// Whether it stays where it first goes.
+    pub fn is_held(&self) -> bool {
+        match self {
+            Gaze::At(_) | Gaze::Brightest => true,
+            Gaze::BrightestEach | Gaze::Path(_) => false,
+        }
+    }
+
     /// The points in time of a path, fractions of the picture where it has those; none where there
     /// is no such path.
     pub fn rows(self) -> Vec<(f64, [f64; 2])> {
