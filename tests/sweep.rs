@@ -415,6 +415,17 @@ proptest! {
 }
 
 #[test]
+fn durations_that_do_not_add_up_to_the_bit_are_held_like_the_times_of_a_run() {
+    let folder = tempfile::tempdir().unwrap();
+    write_sequence(folder.path());
+    let durations = [0.0, 0.5883132248206397, 26.75952669248421, 32.44785621574006];
+    assert_ne!(durations[1] + (durations[2] - durations[1]), durations[2]);
+    let toml = "[input]\nframes = \"f.0002.exr\"\nhorizontal_fov_deg = 8\n\
+                [gaze]\nat = \"brightest\"\n";
+    cells_are_runs(folder.path(), toml, &durations, |cell| format!("{:?}", &durations[..=cell]));
+}
+
+#[test]
 fn a_cell_of_a_sequence_under_a_wandering_gaze_is_the_last_frame_of_the_run_that_ends_there() {
     let folder = tempfile::tempdir().unwrap();
     write_sequence(folder.path());

@@ -173,7 +173,7 @@ impl Watching {
         let begun = Instant::now();
         let planes = &loaded.frame.planes;
         let size = [planes.width, planes.height];
-        let duration = Seconds(step.duration);
+        let duration = Seconds(step.duration());
         let aim = Moment { time: step.middle(), frame: step.number };
         let (look, readings) = self.look(loaded, aim, duration, recycled);
         self.meet(&look, step);
@@ -189,7 +189,7 @@ impl Watching {
             trace: record::trace_row(&self.eye, planes, self.window, &look, step),
             probes: record::probe_rows(&readings, step),
             map: self.map.clone(),
-            marks: self.marks(&look, step.end()),
+            marks: self.marks(&look, step.end),
             state: self.state_file(step, size, last, pictured),
             seen: look.percept,
         };
@@ -250,7 +250,7 @@ impl Watching {
         };
         let view = self.eye.retina().first_view(size[0], size[1]);
         let samples = Samples::Float(view.iter().map(|&p| p as f32).collect());
-        Some((number, Planes { width: size[0], height: size[1], count: 3, samples }, step.end()))
+        Some((number, Planes { width: size[0], height: size[1], count: 3, samples }, step.end))
     }
 
     /// What to say if the sampled check of a planned run has found more than the budget.
@@ -261,7 +261,7 @@ impl Watching {
     /// Takes note of what a look met.
     pub fn meet(&mut self, look: &Look, step: &Step) {
         let [width, height] = self.eye.retina().size();
-        self.counters.meet(step.end(), &look.stats, width * height);
+        self.counters.meet(step.end, &look.stats, width * height);
         if self.counters.method_past_limit.is_none() {
             let (model, pigments) = (self.eye.model(), self.eye.pigments());
             let past = model.past_limit(pigments, look.stats.greatest, look.duration);

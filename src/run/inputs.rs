@@ -73,7 +73,7 @@ pub fn digest_of_steps(steps: &[Step]) -> String {
         digest.update(step.number.to_le_bytes());
         digest.update((step.file as u64).to_le_bytes());
         digest.update(step.start.to_le_bytes());
-        digest.update(step.duration.to_le_bytes());
+        digest.update(step.end.to_le_bytes());
     }
     hexadecimal(&digest.finalize())
 }

@@ -325,7 +325,7 @@ fn report_of(
             "count": scene.steps.len(),
             "width": header.width,
             "height": header.height,
-            "last_s": scene.steps.last().map(Step::end),
+            "last_s": scene.steps.last().map(|step| step.end),
             "nan_samples": eye.counters.nan,
             "infinite_samples": eye.counters.infinite,
             "negative_samples": eye.counters.negative,

@@ -150,7 +150,7 @@ pub fn trace_row(eye: &Eye, planes: &Planes, window: Window, look: &Look, step: 
     let sce = eye.vision().observer.equal_energy_weight(look.pupil, Millimetres(0.0));
     let fovea = foveal_bleaching(eye, size, look);
     let most = look.stats.least.map(|p| 1.0 - p);
-    let numbers = [step.end(), step.duration, at[0], at[1], look.adapting.0, look.pupil.0];
+    let numbers = [step.end, step.duration(), at[0], at[1], look.adapting.0, look.pupil.0];
     let numbers = numbers.into_iter().chain(sce).chain(fovea).chain(most);
     let row = numbers.fold(step.number.to_string(), |row, v| format!("{row},{v}"));
     format!("{row},{}\n", eye.model_name())
@@ -172,7 +172,7 @@ fn foveal_bleaching(eye: &Eye, size: [usize; 2], look: &Look) -> [f64; 3] {
 
 /// The rows of `probes.csv` of one frame.
 pub fn probe_rows(readings: &[Reading], step: &Step) -> String {
-    let row = |r: &Reading| format!("{},{},{}\n", step.number, step.end(), r.columns());
+    let row = |r: &Reading| format!("{},{},{}\n", step.number, step.end, r.columns());
     readings.iter().map(row).collect()
 }
 
@@ -276,16 +276,17 @@ mod tests {
             pupil: Millimetres(3.0),
             lost: [0.5; 3],
         };
-        let step = |i: u32| Step { number: i, file: 0, start: f64::from(i), duration: 0.1 };
+        let step =
+            |i: u32| Step { number: i, file: 0, start: f64::from(i), end: f64::from(i) + 0.1 };
         let rows: String =
             (0..5000).map(|i| probe_rows(&[reading(i), reading(i)], &step(i))).collect();
         std::fs::write(&path, format!("{PROBES}{rows}")).unwrap();
         let history = read_back(&path).unwrap();
         assert!(history.len() <= PLOTTED + 1 && history.len() > PLOTTED / 2);
-        assert_eq!(history[0], (step(0).end(), vec![reading(0), reading(0)]));
+        assert_eq!(history[0], (step(0).end, vec![reading(0), reading(0)]));
         assert_eq!(
             history[history.len() - 1],
-            (step(4999).end(), vec![reading(4999), reading(4999)])
+            (step(4999).end, vec![reading(4999), reading(4999)])
         );
     }
 }

@@ -5,24 +5,26 @@ use crate::config::settings::{Time, Times};
 use crate::error::Result;
 use crate::run::gaze::Gaze;
 
-/// One frame of the run: the light of `file`, held over [start, start + duration).
+/// One frame of the run: the light of `file`, held over [start, end), s. The end is the time of its
+/// state and percept; it is kept as it was given, since a start and a length do not always add up to
+/// it again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
     pub number: u32,
     pub file: usize,
     pub start: f64,
-    pub duration: f64,
+    pub end: f64,
 }
 
 impl Step {
-    /// When the frame ends: the time of its state and percept, s.
-    pub fn end(&self) -> f64 {
-        self.start + self.duration
+    /// How long the light is held, s.
+    pub fn duration(&self) -> f64 {
+        self.end - self.start
     }
 
     /// Its middle, s.
     pub fn middle(&self) -> f64 {
-        self.start + 0.5 * self.duration
+        self.start + 0.5 * self.duration()
     }
 }
 
@@ -116,8 +118,8 @@ pub fn looks(config: &Config, frames: &[Step]) -> Result<Vec<Step>> {
 
 /// Frames a second, where all frames but a shortened last one are alike.
 pub fn rate(steps: &[Step]) -> Option<f64> {
-    let first = steps.first()?.duration;
-    let alike = |step: &Step| (step.duration / first - 1.0).abs() < 1e-6;
+    let first = steps.first()?.duration();
+    let alike = |step: &Step| (step.duration() / first - 1.0).abs() < 1e-6;
     steps.iter().rev().skip(usize::from(steps.len() > 1)).all(alike).then_some(1.0 / first)
 }
 
@@ -129,7 +131,7 @@ fn steps(edges: &[f64], frames: impl Iterator<Item = (u32, usize)>) -> Vec<Step>
     let spans = edges.windows(2);
     spans
         .zip(frames)
-        .map(|(e, (number, file))| Step { number, file, start: e[0], duration: e[1] - e[0] })
+        .map(|(e, (number, file))| Step { number, file, start: e[0], end: e[1] })
         .collect()
 }
 
@@ -219,16 +221,16 @@ mod tests {
     }
 
     fn ends(steps: &[Step]) -> Vec<f64> {
-        steps.iter().map(Step::end).collect()
+        steps.iter().map(|step| step.end).collect()
     }
 
     #[test]
     fn a_still_without_times_is_stared_at_for_a_minute_in_sixty_growing_frames() {
         let steps = of_still(&config("")).unwrap();
         assert_eq!(steps.len(), 60);
-        assert_eq!((steps[0].number, steps[0].start, steps[0].duration), (1, 0.0, 1.0 / 24.0));
-        assert_eq!(steps[59].end(), 60.0);
-        let greening = steps.iter().filter(|step| (0.2..10.0).contains(&step.end())).count();
+        assert_eq!((steps[0].number, steps[0].start, steps[0].end), (1, 0.0, 1.0 / 24.0));
+        assert_eq!(steps[59].end, 60.0);
+        let greening = steps.iter().filter(|step| (0.2..10.0).contains(&step.end)).count();
         assert!(greening > 30, "{greening} of 60 frames show the greening");
         assert!(steps.windows(2).all(|w| (w[0].end() - w[1].start).abs() < 1e-12));
     }
@@ -237,7 +239,7 @@ mod tests {
     fn the_last_frame_of_a_still_is_shortened() {
         let steps = of_still(&config("time = { duration_s = 1.0, interval_s = 0.3 }")).unwrap();
         assert_eq!(steps.len(), 4);
-        assert!((steps[3].duration - 0.1).abs() < 1e-12);
+        assert!((steps[3].duration() - 0.1).abs() < 1e-12);
         assert_eq!(of_still(&config("time = { duration_s = 2.0, fps = 24 }")).unwrap().len(), 48);
     }
 
@@ -251,7 +253,7 @@ mod tests {
             [1.0, 4.0, 7.0]
         );
         let by_file = of_sequence(&config(""), &[5, 6], &[0, 1], Some(25.0), None).unwrap();
-        assert_eq!(by_file[0].duration, 0.04);
+        assert_eq!(by_file[0].duration(), 0.04);
     }
 
     #[test]

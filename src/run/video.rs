@@ -40,7 +40,7 @@ pub fn make(
     let beside = atomic::beside(folder, &format!(".tmp.{ending}"));
     let beside = beside.map_err(Error::io(&film, "write"))?.into_temp_path();
     let rate = rate(steps).unwrap_or(UNEVEN_RATE);
-    let arguments = |to: &str| arguments(to, rate, steps.last().map_or(0.0, Step::end));
+    let arguments = |to: &str| arguments(to, rate, steps.last().map_or(0.0, |step| step.end));
     let unfinished = beside.file_name().unwrap_or_default().to_string_lossy();
     match ffmpeg(folder, &arguments(&unfinished), watch)? {
         Ffmpeg::Absent => {
@@ -106,7 +106,7 @@ fn list(steps: &[Step]) -> String {
     let picture =
         |step: &Step| format!("file display.{:04}.png\noption framerate 1000\n", step.number);
     let shown =
-        steps.iter().map(|step| format!("{}duration {:.6}\n", picture(step), step.duration));
+        steps.iter().map(|step| format!("{}duration {:.6}\n", picture(step), step.duration()));
     let end = steps.last().map(picture).unwrap_or_default();
     format!("ffconcat version 1.0\n{}{end}duration 1\n", shown.collect::<String>())
 }
@@ -153,7 +153,7 @@ mod tests {
         durations
             .iter()
             .zip(1..)
-            .map(|(&duration, number)| Step { number, file: 0, start: 0.0, duration })
+            .map(|(&end, number)| Step { number, file: 0, start: 0.0, end })
             .collect()
     }
 

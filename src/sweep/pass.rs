@@ -46,7 +46,7 @@ pub fn spans(config: &Config, scene: &Scene, durations: &[f64]) -> Result<Vec<Sp
         }
         hold(&mut steps, durations);
     }
-    let end = steps.last().map_or(0.0, Step::end);
+    let end = steps.last().map_or(0.0, |step| step.end);
     if last > end * (1.0 + SAME) {
         let problem = format!("found {last}, but the frames end at {end} s");
         return Err(config.wrong("sweep.durations_s", problem));
@@ -57,14 +57,9 @@ pub fn spans(config: &Config, scene: &Scene, durations: &[f64]) -> Result<Vec<Sp
 /// Holds a still on after its frames, to each later duration.
 fn hold(steps: &mut Vec<Step>, durations: &[f64]) {
     for &duration in durations {
-        let start = steps.last().map_or(0.0, Step::end);
+        let start = steps.last().map_or(0.0, |step| step.end);
         if duration > start * (1.0 + SAME) {
-            steps.push(Step {
-                number: steps.len() as u32 + 1,
-                file: 0,
-                start,
-                duration: duration - start,
-            });
+            steps.push(Step { number: steps.len() as u32 + 1, file: 0, start, end: duration });
         }
     }
 }
@@ -78,7 +73,7 @@ fn cut(steps: &[Step], durations: &[f64]) -> Vec<Span> {
         spans.push(Span { file, start: 0.0, end: 0.0, number, cell: Some(cell) });
     }
     for step in steps {
-        let (Step { file, number, mut start, .. }, last) = (*step, step.end());
+        let Step { file, number, mut start, end: last } = *step;
         while let Some((cell, end)) = looks.next_if(|&(_, d)| d <= last * (1.0 + SAME)) {
             spans.push(Span { file, start, end, number, cell: Some(cell) });
             start = end;
@@ -102,7 +97,7 @@ mod tests {
             number: i + 1,
             file: i as usize,
             start: f64::from(i) * each,
-            duration: each,
+            end: f64::from(i + 1) * each,
         };
         (0..count).map(step).collect()
     }
@@ -129,7 +124,7 @@ mod tests {
         let mut steps = frames(2, 0.5);
         steps[1].file = 0;
         hold(&mut steps, &[0.0, 0.25, 1.0, 4.0, 9.0]);
-        assert_eq!(steps.iter().map(Step::end).collect::<Vec<_>>(), [0.5, 1.0, 4.0, 9.0]);
+        assert_eq!(steps.iter().map(|step| step.end).collect::<Vec<_>>(), [0.5, 1.0, 4.0, 9.0]);
         let alone = |durations: &[f64]| {
             let mut steps = Vec::new();
             hold(&mut steps, durations);

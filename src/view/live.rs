@@ -264,8 +264,8 @@ impl Live {
     pub fn trace(&self) -> Option<String> {
         let last = self.lived.checked_sub(1)?;
         let start = last.checked_sub(1).map_or(0.0, |i| self.path[i].end);
-        let duration = self.path[last].end - start;
-        let step = Step { number: self.lived as u32, file: self.loaded.0, start, duration };
+        let end = self.path[last].end;
+        let step = Step { number: self.lived as u32, file: self.loaded.0, start, end };
         let (planes, window) = (&self.loaded.1.frame.planes, self.scene.footage.window());
         Some(record::trace_row(&self.eye, planes, window, &self.look, &step))
     }

@@ -30,7 +30,7 @@ impl Reel {
     pub fn until(&self, start: f64, end: f64) -> Option<f64> {
         let Some(last) = self.frames.last() else { return Some(end) };
         let next = self.frames.iter().map(|frame| frame.start).find(|&edge| edge > start);
-        Some(end.min(next.unwrap_or(last.end()))).filter(|&end| end > start)
+        Some(end.min(next.unwrap_or(last.end))).filter(|&end| end > start)
     }
 }
 
@@ -39,8 +39,12 @@ mod tests {
     use super::*;
 
     fn reel() -> Reel {
-        let step =
-            |i: usize| Step { number: i as u32, file: i, start: i as f64 * 0.5, duration: 0.5 };
+        let step = |i: usize| Step {
+            number: i as u32,
+            file: i,
+            start: i as f64 * 0.5,
+            end: (i + 1) as f64 * 0.5,
+        };
         Reel::new(&[step(0), step(1), step(2)], false)
     }
 
