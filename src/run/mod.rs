@@ -51,7 +51,6 @@ pub use rehearse::rehearse;
 use report::Timing;
 use resume::Start;
 pub use scene::{Scene, eye_for};
-use schedule::Step;
 pub use watch::{Unwatched, Watch};
 use writer::{Delivery, Tables, Writer};
 
