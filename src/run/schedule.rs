@@ -232,7 +232,7 @@ mod tests {
         assert_eq!(steps[59].end, 60.0);
         let greening = steps.iter().filter(|step| (0.2..10.0).contains(&step.end)).count();
         assert!(greening > 30, "{greening} of 60 frames show the greening");
-        assert!(steps.windows(2).all(|w| (w[0].end() - w[1].start).abs() < 1e-12));
+        assert!(steps.windows(2).all(|w| (w[0].end - w[1].start).abs() < 1e-12));
     }
 
     #[test]
