@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::Eye;
 use crate::kernel::{self, TILE};
-use crate::light::{Cells, PlaneTile, Planes, Survey};
+use crate::light::{Cells, PlaneTile, Planes, Row, Survey, SurveyRow};
 use crate::observer::Adapting;
 use crate::units::{Degrees, Nits};
 use crate::vision::Vision;
@@ -133,21 +133,38 @@ pub fn brightest(vision: &Vision, planes: &Planes, survey: &Survey) -> [f64; 2] 
 
 /// Luminances of a frame, gathered for the pupil and the display.
 pub fn survey(vision: &Vision, planes: &Planes, pixels_per_degree: f64) -> Survey {
-    let cells = Cells::new(planes.width, planes.height, pixels_per_degree);
-    let weights: Vec<f32> = vision.luminance.iter().map(|&w| w as f32).collect();
-    let rows: Vec<_> = (0..planes.height)
-        .into_par_iter()
-        .map_init(
-            || (vec![0.0; planes.width], [0.0; kernel::ROOM]),
-            |(luminance, room), y| {
-                let row = planes.row(y);
-                for (from, width) in kernel::tiles(kernel::tile(planes.count), planes.width) {
-                    let light = PlaneTile::of(row, planes.count, from, width, room);
-                    kernel::combine(light, &weights, &mut luminance[from..from + width]);
-                }
-                cells.row(luminance)
-            },
-        )
-        .collect();
-    cells.gather(rows)
+    let surveyor = Surveyor::new(vision, planes, pixels_per_degree);
+    let rows = 0..planes.height;
+    let rows: Vec<_> = rows.into_par_iter().map(|y| surveyor.row(planes.row(y))).collect();
+    surveyor.cells.gather(rows)
+}
+
+/// Surveys a frame row by row.
+pub(super) struct Surveyor {
+    pub cells: Cells,
+    weights: Vec<f32>,
+    width: usize,
+    count: usize,
+}
+
+impl Surveyor {
+    /// For frames of the size and planes of one.
+    pub fn new(vision: &Vision, planes: &Planes, pixels_per_degree: f64) -> Surveyor {
+        Surveyor {
+            cells: Cells::new(planes.width, planes.height, pixels_per_degree),
+            weights: vision.luminance.iter().map(|&w| w as f32).collect(),
+            width: planes.width,
+            count: planes.count,
+        }
+    }
+
+    /// What a row adds.
+    pub fn row(&self, row: Row<'_>) -> SurveyRow {
+        let (mut luminance, mut room) = (vec![0.0; self.width], [0.0; kernel::ROOM]);
+        for (from, width) in kernel::tiles(kernel::tile(self.count), self.width) {
+            let light = PlaneTile::of(row, self.count, from, width, &mut room);
+            kernel::combine(light, &self.weights, &mut luminance[from..from + width]);
+        }
+        self.cells.row(&luminance)
+    }
 }

@@ -1,12 +1,13 @@
 //! The optics stage: light that the eye scatters, where it does. Off, it is not there.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use serde_json::{Value, json};
 
+use super::adapting::Surveyor;
 use super::beyond::Grid;
-use super::{Eye, Stimulus, Surround, survey};
-use crate::light::{Planes, Samples, Survey};
+use super::{Eye, Stimulus, Surround};
+use crate::light::{Planes, Row, Samples, Survey};
 use crate::optics::{Draw, Extent, Optics, VeilAround};
 use crate::units::{Millimetres, Nits};
 
@@ -81,6 +82,25 @@ impl OpticsStage {
         self.of.as_ref().and(self.around.as_ref()).map(|around| &around.td)
     }
 
+    /// Makes the light on the retina, and the survey of it where it is what is seen.
+    fn exchange(
+        &mut self,
+        s: &Planes,
+        beyond: Option<&[f32]>,
+        surveyor: impl FnOnce() -> Surveyor,
+    ) -> Option<Arc<Survey>> {
+        if self.draw == Draw::Clear {
+            self.optics.exchange(s, beyond, &mut self.retinal);
+            return None;
+        }
+        let (surveyor, rows) = (surveyor(), vec![const { OnceLock::new() }; s.height]);
+        self.optics.exchange_met(s, beyond, &mut self.retinal, |y, row| {
+            rows[y].get_or_init(|| surveyor.row(Row::Float(row)));
+        });
+        let rows = rows.into_iter().filter_map(OnceLock::into_inner);
+        Some(Arc::new(surveyor.cells.gather(rows)))
+    }
+
     /// The light on the retina.
     pub fn retinal(&self) -> &Planes {
         &self.retinal
@@ -136,15 +156,15 @@ impl Eye {
             return None;
         }
         if !stage.of.as_ref().is_some_and(|of| Arc::ptr_eq(of, s.survey)) {
-            stage.optics.exchange(s.planes, beyond.as_deref(), &mut stage.retinal);
+            stage.seen = stage.exchange(s.planes, beyond.as_deref(), || {
+                Surveyor::new(&self.vision, s.planes, self.pixels_per_degree)
+            });
             if let Some((VeiledAround { canvas, planes, .. }, light)) =
                 stage.around.as_mut().zip(around)
             {
                 stage.optics.veil_around(&light, canvas, planes);
             }
             stage.of = Some(s.survey.clone());
-            stage.seen = (stage.draw == Draw::Veiled)
-                .then(|| Arc::new(survey(&self.vision, &stage.retinal, self.pixels_per_degree)));
         }
         self.optics.take()
     }

@@ -5,6 +5,8 @@
 //! (Ward et al. 1997); the range is that of single pixels, since a cell would dilute the sun.
 //! Luminances in cd/m2.
 
+use pulp::{Arch, Simd, WithSimd};
+
 /// The luminances of one frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Survey {
@@ -20,6 +22,49 @@ pub struct Survey {
     pub edge: f64,
     /// Column and row of the first of the brightest pixels.
     pub brightest: (usize, usize),
+}
+
+/// Pixels that are looked at side by side.
+const LANES: usize = 16;
+
+/// The sum of a run without its negative light, in a fixed order.
+#[inline(always)]
+fn sum(run: &[f32]) -> f64 {
+    let (lots, rest) = run.as_chunks::<8>();
+    let mut lanes = [0.0f64; 8];
+    for lot in lots {
+        lanes.iter_mut().zip(lot).for_each(|(sum, v)| *sum += f64::from(v.max(0.0)));
+    }
+    let [a, b, c, d, e, f, g, h] = lanes;
+    let whole = ((a + e) + (c + g)) + ((b + f) + (d + h));
+    rest.iter().fold(whole, |sum, v| sum + f64::from(v.max(0.0)))
+}
+
+/// The least light of a run that is any, infinite if there is none, and the greatest, at least 0.
+#[inline(always)]
+fn extremes(run: &[f32]) -> [f32; 2] {
+    let (lots, rest) = run.as_chunks::<LANES>();
+    let mut last = [0.0; LANES];
+    last[..rest.len()].copy_from_slice(rest);
+    let [mut least, mut greatest] = [[f32::INFINITY; LANES], [0.0f32; LANES]];
+    for lot in lots.iter().chain([&last]) {
+        for ((least, greatest), &v) in least.iter_mut().zip(&mut greatest).zip(lot) {
+            let light = if v > 0.0 { v } else { f32::INFINITY };
+            *least = if light < *least { light } else { *least };
+            *greatest = if v > *greatest { v } else { *greatest };
+        }
+    }
+    let least = least.into_iter().fold(f32::INFINITY, f32::min);
+    [least, greatest.into_iter().fold(0.0, f32::max)]
+}
+
+/// Where a run first has a value.
+#[inline(always)]
+fn first(run: &[f32], value: f32) -> Option<usize> {
+    let mut lots = run.chunks(LANES);
+    let has = |lot: &[f32]| lot.iter().fold(false, |any, v| any | (*v == value));
+    let lot = lots.position(has)? * LANES;
+    run[lot..].iter().position(|v| *v == value).map(|i| lot + i)
 }
 
 /// How a picture is cut into foveal cells.
@@ -43,6 +88,31 @@ pub struct SurveyRow {
     cells: Vec<f64>,
 }
 
+/// What a row of luminances adds, for whatever the processor has.
+struct RowOf<'a> {
+    cells: &'a Cells,
+    luminance: &'a [f32],
+}
+
+impl WithSimd for RowOf<'_> {
+    type Output = SurveyRow;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> SurveyRow {
+        let RowOf { cells: of @ Cells { columns, width, .. }, luminance } = self;
+        let mut cells = vec![0.0; *columns];
+        for (i, cell) in cells.iter_mut().enumerate() {
+            let [start, end] = [i, i + 1].map(|i| Cells::start(i, *columns, *width));
+            *cell = sum(&luminance[start..end]);
+        }
+        let [least, greatest] = extremes(luminance);
+        let column = first(luminance, greatest).unwrap_or(0);
+        let margin = of.margin().min(luminance.len() / 2);
+        let margins = sum(&luminance[..margin]) + sum(&luminance[luminance.len() - margin..]);
+        SurveyRow { sum: cells.iter().sum(), least, greatest, column, margins, cells }
+    }
+}
+
 impl Cells {
     /// Fewer cells than this make a poor histogram; the cells of a narrow field are made smaller
     /// than a degree.
@@ -64,22 +134,7 @@ impl Cells {
 
     /// What a row of luminances adds. Negative light counts as none.
     pub fn row(&self, luminance: &[f32]) -> SurveyRow {
-        let cell = |i: usize| {
-            let end = Self::start(i + 1, self.columns, self.width);
-            let pixels = &luminance[Self::start(i, self.columns, self.width)..end];
-            pixels.iter().map(|v| f64::from(v.max(0.0))).sum::<f64>()
-        };
-        let cells: Vec<f64> = (0..self.columns).map(cell).collect();
-        let least = luminance
-            .iter()
-            .map(|&v| if v > 0.0 { v } else { f32::INFINITY })
-            .fold(f32::INFINITY, f32::min);
-        let greatest = luminance.iter().copied().fold(0.0, f32::max);
-        let column = luminance.iter().position(|&v| v == greatest).unwrap_or(0);
-        let margin = self.margin().min(luminance.len() / 2);
-        let outer = luminance[..margin].iter().chain(&luminance[luminance.len() - margin..]);
-        let margins = outer.map(|v| f64::from(v.max(0.0))).sum();
-        SurveyRow { sum: cells.iter().sum(), least, greatest, column, margins, cells }
+        Arch::new().dispatch(RowOf { cells: self, luminance })
     }
 
     /// Width of the outermost pixels on each side: one in sixteen of the height.

@@ -175,6 +175,18 @@ impl Optics {
     /// the light around the picture, plane by plane; `None`: as bright as the place. `out` is
     /// written over.
     pub fn exchange(&mut self, s: &Planes, beyond: Option<&[f32]>, out: &mut Planes) {
+        self.exchange_met(s, beyond, out, |_, _| ());
+    }
+
+    /// The same; `met` is shown each row of the light on the retina, all planes, as soon as it is
+    /// done, on any thread.
+    pub fn exchange_met(
+        &mut self,
+        s: &Planes,
+        beyond: Option<&[f32]>,
+        out: &mut Planes,
+        met: impl Fn(usize, &[f32]) + Sync,
+    ) {
         if self.pyramid.count() != s.count {
             self.pyramid = Pyramid::new(&self.sum, &self.depth, self.size, s.count);
         }
@@ -182,7 +194,7 @@ impl Optics {
         let beyond: Vec<_> =
             (0..s.count).map(|i| beyond.map(|light| (straight, light[i]))).collect();
         let samples = out.floats(s.width, s.height, s.count);
-        self.pyramid.exchange(s, &self.kept, &beyond, samples);
+        self.pyramid.exchange(s, &self.kept, &beyond, samples, met);
     }
 
     /// The light on the retina beyond the picture that was exchanged last, on the canvas of

@@ -19,17 +19,24 @@ use super::rows::{
 };
 use super::shape::{MARGIN, Shape};
 use super::whole::{Polynomials, Whole};
-use crate::kernel::vectorised;
+use crate::kernel::{prefetch_run, vectorised};
 use crate::light::{Planes, Row, Samples};
 
 /// Samples that are worth another thread.
 const WORTHWHILE: usize = 1 << 15;
+
+/// Rows of a coarser level that a thread makes of rows that are widened as they come.
+const RUN: usize = 16;
+
+/// How many rows of the picture are asked for ahead.
+const NEXT: usize = 2;
 
 /// One level: light going up, veil coming down.
 #[derive(Clone, Debug)]
 struct Level {
     shape: Shape,
     gaussians: Vec<Taps>,
+    /// Empty where it is the picture's own and nobody comes back to it.
     light: Vec<f32>,
     veil: Vec<f32>,
 }
@@ -41,9 +48,9 @@ pub(super) struct Pyramid {
     whole: Whole,
 }
 
-/// What becomes of a row of the picture: its number, its light and its veil, all planes.
-trait Finish: Fn(usize, &[f32], &[f32], &mut [f32]) + Sync {}
-impl<F: Fn(usize, &[f32], &[f32], &mut [f32]) + Sync> Finish for F {}
+/// What becomes of a row of the picture: its number, its veil, all planes, and room for one plane.
+trait Finish: Fn(usize, &[f32], &mut [f32], &mut [f32]) + Sync {}
+impl<F: Fn(usize, &[f32], &mut [f32], &mut [f32]) + Sync> Finish for F {}
 
 impl Pyramid {
     /// The pyramid of a sum of Gaussians, for `count` planes.
@@ -58,9 +65,11 @@ impl Pyramid {
         let mut shape = Shape::new(width, height, count);
         let mut levels = Vec::new();
         for level in 0..=top {
-            let gaussians = placed.iter().filter(|g| g.level == level).map(taps).collect();
+            let gaussians: Vec<_> = placed.iter().filter(|g| g.level == level).map(taps).collect();
+            let passes = level == 0 && gaussians.is_empty() && width * height > WORTHWHILE;
+            let light = vec![0.0; if passes { 0 } else { shape.samples() }];
             let veil = vec![0.0; if level == 0 { 0 } else { shape.samples() }];
-            levels.push(Level { shape, gaussians, light: vec![0.0; shape.samples()], veil });
+            levels.push(Level { shape, gaussians, light, veil });
             shape = shape.halved();
         }
         Pyramid { levels, whole: Whole::new(sum, top) }
@@ -88,36 +97,38 @@ impl Pyramid {
     pub fn veil(&mut self, s: &Planes, out: &mut [f32]) {
         let Shape { width, plane, .. } = self.levels[0].shape;
         self.climb(s);
-        self.descend(out, |_, _, veil, out| {
+        self.descend(out, |_, veil, _, out| {
             for (out, veil) in out.chunks_exact_mut(width).zip(veil.chunks_exact(plane)) {
                 out.copy_from_slice(&veil[MARGIN..][..width]);
             }
         });
     }
 
-    /// The light of a level after the climb.
+    /// The light of a level after the climb. That of a large picture itself is not kept.
     pub fn light(&self, level: usize) -> (&Shape, &[f32]) {
         (&self.levels[level].shape, &self.levels[level].light)
     }
 
     /// The light on the retina: `kept` and `beyond` as [`Exchange`] has them, `beyond` for each
-    /// plane.
+    /// plane. `met` is shown each row, all planes, while it is near.
     pub fn exchange(
         &mut self,
         s: &Planes,
         kept: &[f32],
         beyond: &[Option<(f32, f32)>],
         out: &mut [f32],
+        met: impl Fn(usize, &[f32]) + Sync,
     ) {
         let Shape { width, plane, .. } = self.levels[0].shape;
         self.climb(s);
-        self.descend(out, |y, light, veil, out| {
+        self.descend(out, |y, veil, room, row| {
             let kept = &kept[y * width..][..width];
-            for ((i, out), &beyond) in out.chunks_exact_mut(width).enumerate().zip(beyond) {
-                let run = i * plane + MARGIN..i * plane + MARGIN + width;
-                let (light, veil) = (&light[run.clone()], &veil[run]);
+            for ((i, out), &beyond) in row.chunks_exact_mut(width).enumerate().zip(beyond) {
+                let (light, veil) = (s.run(i, y, 0..width, room), &veil[i * plane + MARGIN..]);
+                let veil = &veil[..width];
                 vectorised(Exchange { light, veil, kept, beyond, out });
             }
+            met(y, row);
         });
     }
 
@@ -126,19 +137,18 @@ impl Pyramid {
         let Level { shape, light, .. } = &mut self.levels[0];
         let Shape { width, height, count, plane, stride } = *shape;
         debug_assert_eq!([s.width, s.height, s.count], [width, height, count]);
-        let rows = light[MARGIN * stride..][..height * stride].par_chunks_exact_mut(stride);
+        let rows = light.par_chunks_exact_mut(stride).skip(MARGIN).take(height);
         rows.with_min_len(WORTHWHILE.div_ceil(stride)).enumerate().for_each(|(y, row)| {
             for (i, out) in row.chunks_exact_mut(plane).enumerate() {
-                let (run, out) = (i * width..(i + 1) * width, &mut out[MARGIN..][..width]);
-                match s.row(y) {
-                    Row::Float(samples) => out.copy_from_slice(&samples[run]),
-                    Row::Half(samples) => crate::light::widen(&samples[run], out),
-                }
+                widen(s, i, y, out);
             }
         });
         for level in 1..self.levels.len() {
             let (finer, coarser) = self.levels.split_at_mut(level);
-            reduce(&finer[level - 1], &mut coarser[0]);
+            match &finer[level - 1] {
+                picture if picture.light.is_empty() => reduce_picture(s, picture, &mut coarser[0]),
+                finer => reduce(finer, &mut coarser[0]),
+            }
         }
     }
 
@@ -178,6 +188,52 @@ fn taps(gaussian: &Placed) -> Taps {
         down: gaussian.taps.iter().map(|tap| *tap as f32).collect(),
         along: gaussian.taps.iter().map(|tap| (gaussian.weight * tap) as f32).collect(),
     }
+}
+
+/// A row of a plane of a picture, within its margins.
+fn widen(s: &Planes, plane: usize, y: usize, out: &mut [f32]) {
+    let (run, out) = (plane * s.width..(plane + 1) * s.width, &mut out[MARGIN..][..s.width]);
+    match s.row(y) {
+        Row::Float(samples) => {
+            prefetch_run(&samples[run.clone()], NEXT * samples.len());
+            out.copy_from_slice(&samples[run]);
+        }
+        Row::Half(samples) => {
+            prefetch_run(&samples[run.clone()], NEXT * samples.len());
+            crate::light::widen(&samples[run], out);
+        }
+    }
+}
+
+/// The light of the first coarser level, where the picture's own is not kept.
+fn reduce_picture(s: &Planes, picture: &Level, coarser: &mut Level) {
+    let (fine, coarse) = (&picture.shape, coarser.shape);
+    let zeros = vec![0.0; fine.plane];
+    let runs = coarser.light.par_chunks_mut(RUN * coarse.stride).enumerate();
+    runs.for_each_init(
+        || (vec![0.0; 8 * fine.plane], vec![0.0; reducing(fine.plane, coarse.plane)]),
+        |(last, room), (run, out)| {
+            for plane in 0..coarse.count {
+                for (j, out) in out.chunks_exact_mut(coarse.stride).enumerate() {
+                    // Row y of the coarser level lies on row 2 y of the picture, both without margins.
+                    let above = |k: usize| {
+                        let row = (2 * (run * RUN + j) + k).checked_sub(2 * MARGIN + 3);
+                        row.filter(|row| *row < fine.height)
+                    };
+                    let new = if j == 0 { 0 } else { 5 };
+                    for row in (new..7).filter_map(above) {
+                        widen(s, plane, row, &mut last[row % 8 * fine.plane..][..fine.plane]);
+                    }
+                    let rows = [0, 1, 2, 3, 4, 5, 6].map(|k| {
+                        above(k)
+                            .map_or(&zeros[..], |row| &last[row % 8 * fine.plane..][..fine.plane])
+                    });
+                    let out = &mut out[plane * coarse.plane..][..coarse.plane];
+                    vectorised(Reduce { rows, room, out });
+                }
+            }
+        },
+    );
 }
 
 /// The light of a coarser level.
@@ -253,17 +309,17 @@ impl Down<'_> {
     /// The rows of the picture, each finished while its veil is near.
     fn to_the_picture(&self, out: &mut [f32], finish: impl Finish) {
         let Shape { width, count, stride, .. } = *self.shape;
-        let samples = BAND * width * count;
+        let together = if self.gaussians.is_empty() { 1 } else { BAND };
+        let samples = together * width * count;
         let bands = out.par_chunks_mut(samples);
         let bands = bands.with_min_len(WORTHWHILE.div_ceil(samples)).enumerate();
         bands.for_each_init(
-            || (self.room(), vec![0.0; BAND * stride]),
-            |(room, veil), (i, out)| {
+            || (self.room(), vec![0.0; together * stride], vec![0.0; width]),
+            |(room, veil, light), (i, out)| {
                 let veil = &mut veil[..out.len() / (width * count) * stride];
-                self.band(MARGIN + BAND * i, room, veil);
+                self.band(MARGIN + together * i, room, veil);
                 for (j, out) in out.chunks_exact_mut(width * count).enumerate() {
-                    let (y, veil) = (BAND * i + j, &veil[j * stride..][..stride]);
-                    finish(y, &self.light[(y + MARGIN) * stride..][..stride], veil, out);
+                    finish(together * i + j, &veil[j * stride..][..stride], light, out);
                 }
             },
         );
@@ -287,6 +343,9 @@ impl Down<'_> {
         let rows = [0, 1, 2, 3]
             .map(|i| &veil[(first + i) * shape.stride + plane * shape.plane..][..shape.plane]);
         let out = &mut out[plane * self.shape.plane..][..self.shape.plane];
+        if row.is_multiple_of(2) {
+            prefetch_run(rows[3], shape.stride);
+        }
         vectorised(Expand { rows, odd: row % 2 == 1, room: &mut room.half, out });
     }
 }
