@@ -276,13 +276,10 @@ fn keeps_its_budget(config: &Config, vision: &Vision) -> Result<()> {
         return Ok(());
     };
     let least = plan::least_budget(vision);
-    if least.is_some_and(|least| least <= budget) {
+    if least <= budget {
         return Ok(());
     }
-    let accepted = match least {
-        Some(least) if least < plan::BUDGET => format!("{:.1e} to 1", 1.05 * least),
-        _ => format!("{:e} to 1, of which less is promised for such wide primaries", plan::BUDGET),
-    };
+    let accepted = format!("{:.1e} to 1", 1.05 * least);
     let problem = format!(
         "found {budget:e}, less than reading pigment at a few levels and single precision keep; \
          accepted: {accepted}; numerics.model = \"tracked\" promises no bound"

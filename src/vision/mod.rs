@@ -157,28 +157,13 @@ impl Vision {
         &self.levels
     }
 
-    /// Largest relative error of a catch from the levels, for light that is a mixture of this
-    /// vision's planes; `None`: without limit, since some mixture is not caught at all.
-    ///
-    /// The spectra that RGB stands for have negative parts, small ones in sRGB, large ones in wide
-    /// primaries. An error is bounded by what the parts catch, each taken as light; so the bound
-    /// grows by the largest ratio of that to the catch itself.
-    pub fn levels_bound(&self) -> Option<f64> {
-        let density = self.observer.fundamentals.density().into_iter().fold(0.0, f64::max);
-        let parts = |light: &Curve| Curve(light.0.iter().map(|v| v.abs()).collect());
-        let mut grown: f64 = 1.0;
-        for light in self.basis.iter().filter(|_| self.returns_its_light()) {
-            for p in [1e-3, 0.25, 0.5, 0.75, 1.0] {
-                let [own, all] = [light, &parts(light)].map(|l| self.observer.catch(l, [p; 3]));
-                for k in 0..3 {
-                    if own[k] <= 0.0 {
-                        return None;
-                    }
-                    grown = grown.max(all[k] / own[k]);
-                }
-            }
-        }
-        Some(level_bound(density) * grown)
+    /// Largest error of a catch from the levels, relative to what the light's parts catch, each
+    /// taken as light: of light without negative parts that is the catch itself. The spectra that
+    /// RGB stands for have negative parts, small ones in sRGB, large ones in wide primaries: what is
+    /// left of the S cone's catch of a BT.2020 red is a rounding error of parts that cancel, and no
+    /// measure of anything.
+    pub fn levels_bound(&self) -> f64 {
+        level_bound(self.observer.fundamentals.density().into_iter().fold(0.0, f64::max))
     }
 
     /// How many moments a place has: three per level of p, cone by cone, then three per level of

@@ -47,8 +47,8 @@ pub struct Plan {
     budget: Option<f64>,
     /// For each tile the most that may have bleached unseen.
     pub(super) ledger: Ledger,
-    /// Largest relative error of a catch from the levels of p; `None`: without limit.
-    levels: Option<f64>,
+    /// Largest error of a catch from the levels of p.
+    levels: f64,
     /// Whether frames come as sums over bands, so that what is seen is their light only to single
     /// precision.
     projected: bool,
@@ -96,7 +96,7 @@ impl Plan {
         Plan {
             budget,
             ledger: Ledger::default(),
-            levels: Some(0.0),
+            levels: 0.0,
             projected: false,
             stats: PlanStats::NONE,
         }

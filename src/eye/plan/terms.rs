@@ -13,18 +13,17 @@ use crate::vision::Vision;
 const SINGLE_BOUND: f64 = 1e-5;
 
 /// The least budget that can be kept for light as a vision receives it, whatever is modelled:
-/// levels and single precision take as much. `None`: no budget can, for some mixture of its
-/// primaries is no light.
-pub fn least_budget(vision: &Vision) -> Option<f64> {
-    vision.levels_bound().map(|levels| levels + directional::LEVEL_BOUND + SINGLE_BOUND)
+/// levels and single precision take as much.
+pub fn least_budget(vision: &Vision) -> f64 {
+    vision.levels_bound() + directional::LEVEL_BOUND + SINGLE_BOUND
 }
 
 /// One reduction of the full model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Term {
     pub what: &'static str,
-    /// The most that it costs of p, or of a catch relative to itself; not taken, what it would
-    /// cost. `None`: unknown.
+    /// The most that it costs of p, or of a catch relative to what the light's parts catch; not
+    /// taken, what it would cost. `None`: unknown.
     pub bound: Option<f64>,
     pub chosen: bool,
     pub why: String,
@@ -174,7 +173,7 @@ impl Plan {
         [
             term(
                 "pigment read at a few levels of p",
-                self.levels,
+                Some(self.levels),
                 stepped,
                 "a few sums instead of every nanometre",
             ),
