@@ -10,10 +10,9 @@
 
 use std::sync::LazyLock;
 
-/// Codes by the upper half of an f32's bits, and where each code begins.
+/// By the upper half of an f32's bits: the code of the lowest number, and where the next begins.
 pub(super) struct Srgb {
-    codes: Vec<u8>,
-    begins: [f32; 257],
+    codes: Vec<(u8, f32)>,
 }
 
 /// Below this, 2^-13, the code is 0.
@@ -34,18 +33,23 @@ impl Srgb {
         }
         let lows =
             (LEAST.to_bits() >> 16..=1f32.to_bits() >> 16).map(|half| f32::from_bits(half << 16));
-        let codes =
-            lows.map(|low| (begins.partition_point(|&begin| begin <= low) - 1) as u8).collect();
-        Srgb { codes, begins }
+        let code = |low| begins.partition_point(|&begin| begin <= low) - 1;
+        Srgb { codes: lows.map(code).map(|code| (code as u8, begins[code + 1])).collect() }
     }
 
-    /// The code nearest to a linear value; values outside 0..=1 take the nearest that is inside.
-    #[inline]
+    /// The codes nearest to linear values; values outside 0..=1 take the nearest that is inside.
+    #[inline(always)]
     #[expect(clippy::manual_clamp, reason = "clamp would let NaN pass")]
-    pub fn code(&self, linear: f32) -> u8 {
-        let v = linear.max(LEAST).min(1.0);
-        let code = self.codes[((v.to_bits() >> 16) - (LEAST.to_bits() >> 16)) as usize];
-        code + u8::from(v >= self.begins[usize::from(code) + 1])
+    pub fn code_each<const N: usize>(&self, linear: &[f32; N]) -> [u8; N] {
+        let (mut inside, mut codes) = ([0.0; N], [0; N]);
+        for (inside, linear) in inside.iter_mut().zip(linear) {
+            *inside = linear.max(LEAST).min(1.0);
+        }
+        for (code, v) in codes.iter_mut().zip(inside) {
+            let (low, next) = self.codes[((v.to_bits() >> 16) - (LEAST.to_bits() >> 16)) as usize];
+            *code = low + u8::from(v >= next);
+        }
+        codes
     }
 }
 
@@ -68,11 +72,15 @@ mod tests {
         if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 }
     }
 
+    fn code(v: f32) -> u8 {
+        srgb().code_each(&[v])[0]
+    }
+
     #[test]
     fn every_code_is_the_nearest_one() {
         for bits in (0..=1f32.to_bits()).step_by(1009) {
             let v = f32::from_bits(bits);
-            let off = 255.0 * encoded(f64::from(v)) - f64::from(srgb().code(v));
+            let off = 255.0 * encoded(f64::from(v)) - f64::from(code(v));
             assert!(off.abs() <= 0.500_01, "{v} is {off} codes off");
         }
     }
@@ -80,14 +88,14 @@ mod tests {
     #[test]
     fn no_value_at_the_edge_of_a_code_is_passed_over() {
         for code in 1..=255u8 {
-            let begin = srgb().begins[usize::from(code)];
-            assert_eq!((srgb().code(begin.next_down()), srgb().code(begin)), (code - 1, code));
+            let begin = least_at_or_above(decoded((f64::from(code) - 0.5) / 255.0));
+            assert_eq!(srgb().code_each(&[begin.next_down(), begin]), [code - 1, code]);
         }
     }
 
     #[test]
     fn values_beyond_the_code_take_its_ends() {
-        let ends = [f32::MIN, -0.0, f32::NAN, 1.0, 1.5, f32::MAX].map(|v| srgb().code(v));
+        let ends = [f32::MIN, -0.0, f32::NAN, 1.0, 1.5, f32::MAX].map(code);
         assert_eq!(ends, [0, 0, 0, 255, 255, 255]);
     }
 }

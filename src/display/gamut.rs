@@ -25,20 +25,20 @@ const DARK: f32 = 1e-30;
 const GLARE: f32 = 1e30;
 
 /// Limits a colour to finite numbers that can be added and multiplied.
-#[inline]
+#[inline(always)]
 #[expect(clippy::manual_clamp, reason = "clamp would let NaN pass")]
 pub(super) fn bounded(light: [f32; 3]) -> [f32; 3] {
     light.map(|c| c.max(-GLARE).min(GLARE))
 }
 
 /// Luminance by the weights of the observer, in the unit of the components.
-#[inline]
+#[inline(always)]
 pub(super) fn luminance([r, g, b]: [f32; 3], weights: [f32; 3]) -> f32 {
     weights[0] * r + weights[1] * g + weights[2] * b
 }
 
 /// The colour at unit luminance, without negative components; grey where there is no luminance.
-#[inline]
+#[inline(always)]
 pub(super) fn chroma(light: [f32; 3], luminance: f32) -> [f32; 3] {
     let least = light[0].min(light[1]).min(light[2]).min(0.0);
     let kept = if luminance > DARK { 1.0 / (luminance - least) } else { 0.0 };
@@ -46,7 +46,7 @@ pub(super) fn chroma(light: [f32; 3], luminance: f32) -> [f32; 3] {
 }
 
 /// Linear RGB in 0..=1 that shows a colour of unit luminance at the given share of white.
-#[inline]
+#[inline(always)]
 pub(super) fn shown(colour: [f32; 3], share: f32, highlights: f32) -> [f32; 3] {
     let wanted = colour.map(|c| c * share);
     let most = wanted[0].max(wanted[1]).max(wanted[2]).max(1.0);

@@ -21,6 +21,7 @@ mod ward;
 pub use screen::Screen;
 pub use tone::ToneMap;
 
+use crate::kernel;
 use crate::light::Survey;
 use crate::units::{Nits, Seconds};
 
@@ -108,18 +109,8 @@ impl Display {
     /// Encodes one row of a percept as sRGB: linear sRGB primaries, `scale` cd/m2 the unit; three
     /// bytes a pixel out.
     pub fn encode_row(&self, map: &ToneMap, rgb: [&[f32]; 3], scale: f32, out: &mut [u8]) {
-        let [red, green, blue] = rgb.map(|plane| plane.chunks(row::BLOCK));
-        for (((red, green), blue), bytes) in
-            red.zip(green).zip(blue).zip(out.chunks_mut(3 * row::BLOCK))
-        {
-            row::encode_block(
-                map,
-                [red, green, blue],
-                (scale, LUMINANCE),
-                self.highlights as f32,
-                bytes,
-            );
-        }
+        let (weights, highlights) = (LUMINANCE, self.highlights as f32);
+        kernel::vectorised(row::Encode { map, rgb, scale, weights, highlights, out });
     }
 
     /// The map of one frame by itself.
@@ -316,7 +307,7 @@ mod tests {
                 let map = Display { tone, ..Display::default() }.map(&outdoors());
                 let light = gamut::bounded(rgb);
                 let luminance = gamut::luminance(light, LUMINANCE);
-                let shown = gamut::shown(gamut::chroma(light, luminance), map.share(luminance), highlights);
+                let shown = gamut::shown(gamut::chroma(light, luminance), tone::share(&map, luminance), highlights);
                 prop_assert!(shown.iter().all(|v| (0.0..=1.000_001).contains(v)), "{rgb:?} gives {shown:?}");
             }
         }

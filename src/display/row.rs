@@ -1,15 +1,45 @@
 //! Pixels by the block: arithmetic on whole planes, which compilers vectorise, between two passes
 //! of table look-ups.
 
+use pulp::{Simd, WithSimd};
+
 use super::{ToneMap, encode, gamut};
 
 /// Pixels of a block.
-pub(super) const BLOCK: usize = 64;
+const BLOCK: usize = 64;
 
 type Plane = [f32; BLOCK];
 
-/// Encodes up to [`BLOCK`] pixels as sRGB; `scale` cd/m2 the unit, `weights` those of luminance.
-pub(super) fn encode_block(
+/// A row that is encoded as sRGB, for whatever vectors the processor has.
+pub(super) struct Encode<'a> {
+    pub map: &'a ToneMap,
+    pub rgb: [&'a [f32]; 3],
+    /// The unit, cd/m2.
+    pub scale: f32,
+    /// Those of luminance.
+    pub weights: [f32; 3],
+    pub highlights: f32,
+    /// Three bytes a pixel.
+    pub out: &'a mut [u8],
+}
+
+impl WithSimd for Encode<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Encode { map, rgb, scale, weights, highlights, out } = self;
+        let [red, green, blue] = rgb.map(|plane| plane.chunks(BLOCK));
+        for (((red, green), blue), bytes) in red.zip(green).zip(blue).zip(out.chunks_mut(3 * BLOCK))
+        {
+            encode_block(map, [red, green, blue], (scale, weights), highlights, bytes);
+        }
+    }
+}
+
+/// Encodes up to [`BLOCK`] pixels.
+#[inline(always)]
+fn encode_block(
     map: &ToneMap,
     rgb: [&[f32]; 3],
     (scale, weights): (f32, [f32; 3]),
@@ -21,17 +51,16 @@ pub(super) fn encode_block(
         plane[..pixels.len()].copy_from_slice(pixels);
     }
     to_chroma(&mut colour, &mut shares, scale, weights);
-    for share in &mut shares {
-        *share = map.share(*share);
-    }
+    map.share_each(&mut shares);
     to_shown(&mut colour, &shares, highlights);
-    let srgb = encode::srgb();
-    for (i, bytes) in out.as_chunks_mut::<3>().0.iter_mut().enumerate() {
-        *bytes = [srgb.code(colour[0][i]), srgb.code(colour[1][i]), srgb.code(colour[2][i])];
+    let [red, green, blue] = colour.each_ref().map(|plane| encode::srgb().code_each(plane));
+    for (((bytes, r), g), b) in out.as_chunks_mut().0.iter_mut().zip(red).zip(green).zip(blue) {
+        *bytes = [r, g, b];
     }
 }
 
 /// Light in, chroma and luminance out.
+#[inline(always)]
 fn to_chroma(
     [red, green, blue]: &mut [Plane; 3],
     luminance: &mut Plane,
@@ -46,6 +75,7 @@ fn to_chroma(
 }
 
 /// Chroma in, linear RGB of the display out.
+#[inline(always)]
 fn to_shown([red, green, blue]: &mut [Plane; 3], shares: &Plane, highlights: f32) {
     for i in 0..BLOCK {
         [red[i], green[i], blue[i]] =

@@ -108,17 +108,36 @@ impl ToneMap {
         })
     }
 
-    /// Share of the display's range from black to white that a world luminance gets; never negative
-    /// or NaN.
-    #[inline]
-    pub(super) fn share(&self, world: f32) -> f32 {
-        let within = world.max(Self::LEAST as f32).min(Self::GREATEST as f32 * 0.999_999);
-        let bits = within.to_bits();
-        let i = ((bits >> 16) - BASE) as usize;
-        let (low, high) = (self.shares[i], self.shares[i + 1]);
-        let share = low + (high - low) * ((bits & 0xffff) as f32 / 65536.0);
-        share * (world * (1 << -FIRST) as f32).clamp(0.0, 1.0)
+    /// World luminances in, out the shares of the display's range from black to white that they get;
+    /// never negative or NaN.
+    #[inline(always)]
+    pub(super) fn share_each<const N: usize>(&self, lights: &mut [f32; N]) {
+        let (mut knots, mut ends) = ([0; N], [[0.0; N]; 2]);
+        let bits = |world: f32| {
+            world.max(Self::LEAST as f32).min(Self::GREATEST as f32 * 0.999_999).to_bits()
+        };
+        for (knot, world) in knots.iter_mut().zip(&*lights) {
+            *knot = (bits(*world) >> 16) - BASE;
+        }
+        let [low, high] = &mut ends;
+        for ((low, high), knot) in low.iter_mut().zip(high).zip(knots) {
+            let shares = &self.shares[knot as usize..][..2];
+            [*low, *high] = [shares[0], shares[1]];
+        }
+        for i in 0..N {
+            let (world, [low, high]) = (lights[i], [ends[0][i], ends[1][i]]);
+            let share = low + (high - low) * ((bits(world) & 0xffff) as f32 / 65536.0);
+            lights[i] = share * (world * (1 << -FIRST) as f32).clamp(0.0, 1.0);
+        }
     }
+}
+
+/// The share of one luminance.
+#[cfg(test)]
+pub(super) fn share(map: &ToneMap, world: f32) -> f32 {
+    let mut share = [world];
+    map.share_each(&mut share);
+    share[0]
 }
 
 #[cfg(test)]
@@ -170,7 +189,7 @@ mod tests {
             let shown = map.display_luminance(Nits(f64::from(world))).0;
             let expected = (shown.max(TOE) - 1.0) / 99.0 * (shown / TOE).min(1.0);
             // Where black lies between two knots, the table's line starts at the lower one.
-            prop_assert!((f64::from(map.share(world)) - expected.max(0.0)).abs() <= 2e-5);
+            prop_assert!((f64::from(share(&map, world)) - expected.max(0.0)).abs() <= 2e-5);
         }
 
         #[test]

@@ -351,7 +351,6 @@ mod tests {
     use crate::observer::Observer;
     use crate::step;
     use crate::units::Nits;
-    use crate::vision::LEVEL_BOUND;
 
     fn frame<'a>(
         vision: &'a Vision,
