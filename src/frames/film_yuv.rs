@@ -104,6 +104,11 @@ impl Layout {
 
     /// R', G' and B' of row `y`: three runs of the frame's width. `room` is to work in.
     pub fn signals(&self, frame: &[u8], y: usize, out: &mut [f32], room: &mut Vec<f32>) {
+        pulp::Arch::new().dispatch(Signals { layout: self, frame, y, out, room });
+    }
+
+    #[inline(always)]
+    fn each_signal(&self, frame: &[u8], y: usize, out: &mut [f32], room: &mut Vec<f32>) {
         let width = self.width;
         let luma = width * self.height;
         let (red, rest) = out.split_at_mut(width);
@@ -130,6 +135,7 @@ impl Layout {
     }
 
     /// One plane of chroma in row `y`, interpolated to the frame's width.
+    #[inline(always)]
     fn chroma_row(
         &self,
         frame: &[u8],
@@ -168,6 +174,7 @@ impl Layout {
     }
 
     /// Scales codes from sample `first` of the frame on.
+    #[inline(always)]
     fn codes(&self, frame: &[u8], first: usize, out: &mut [f32], (factor, offset): (f32, f32)) {
         if self.bits > 8 {
             let codes = frame[2 * first..][..2 * out.len()].as_chunks().0;
@@ -194,24 +201,44 @@ fn between(at: usize, step: usize, siting: f32, count: usize) -> (usize, usize, 
 }
 
 /// A row of chroma interpolated to the width of luma.
+#[inline(always)]
 fn widened(row: &[f32], step: usize, siting: f32, out: &mut [f32]) {
     if step == 1 {
         return out.copy_from_slice(row);
     }
     if step == 2 && siting == 0.0 {
         // The common case: every second place is a sample, the others lie half way.
-        let ends = row.iter().skip(1).chain(row.last());
-        for ((pair, &here), &next) in out.chunks_mut(2).zip(row).zip(ends) {
-            pair[0] = here;
-            if let [_, between] = pair {
-                *between = 0.5 * (here + next);
-            }
+        let (pairs, last) = out.as_chunks_mut::<2>();
+        for ((pair, here), next) in pairs.iter_mut().zip(row).zip(&row[1..]) {
+            *pair = [*here, 0.5 * (here + next)];
         }
+        // The last sample has none after it.
+        let end = row[row.len() - 1];
+        pairs[row.len() - 1..].iter_mut().for_each(|pair| *pair = [end; 2]);
+        last.fill(end);
         return;
     }
     for (x, out) in out.iter_mut().enumerate() {
         let (before, after, weight) = between(x, step, siting, row.len());
         *out = row[before] + weight * (row[after] - row[before]);
+    }
+}
+
+/// The work of [`Layout::signals`], for whatever vectors the processor has.
+struct Signals<'a> {
+    layout: &'a Layout,
+    frame: &'a [u8],
+    y: usize,
+    out: &'a mut [f32],
+    room: &'a mut Vec<f32>,
+}
+
+impl pulp::WithSimd for Signals<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) {
+        self.layout.each_signal(self.frame, self.y, self.out, self.room);
     }
 }
 
@@ -222,6 +249,7 @@ impl Matrix {
     pub const BT2020: Matrix = Matrix { kr: 0.2627, kb: 0.0593 };
 
     /// Cr, Y', Cb to R', G', B' in place.
+    #[inline(always)]
     fn apply(self, red: &mut [f32], green: &mut [f32], blue: &mut [f32]) {
         let (kr, kb) = (self.kr, self.kb);
         let (of_red, of_blue) = (2.0 * (1.0 - kr), 2.0 * (1.0 - kb));
