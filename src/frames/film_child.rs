@@ -1,48 +1,15 @@
 //! `ffmpeg` as a child process that writes decoded frames into a pipe.
 
-use std::ffi::OsString;
 use std::fs::File;
-use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
+use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
 use crate::error::{Error, Result};
+use crate::frames::film_call::{command, complaint, not_started};
 use crate::frames::film_yuv::Layout;
-
-/// A call of ffmpeg or ffprobe that opens a file and nothing else, quietly.
-pub(super) fn command(program: &str, path: &Path) -> Command {
-    let mut file = OsString::from("file:");
-    file.push(path);
-    let mut command = Command::new(program);
-    command.args(["-v", "error", "-protocol_whitelist", "file,pipe"]);
-    if program == "ffmpeg" {
-        // An error in the stream ends it; frames are neither turned nor made up.
-        command.args(["-nostdin", "-xerror", "-noautorotate"]);
-        command.args(["-err_detect", "explode"]);
-    }
-    command.arg("-i").arg(file).stdin(Stdio::null());
-    // Ctrl-C is for us: a frame in hand is finished.
-    #[cfg(unix)]
-    std::os::unix::process::CommandExt::process_group(&mut command, 0);
-    command
-}
-
-/// What to do where there is no ffmpeg.
-pub(super) fn not_started(path: &Path, error: io::Error) -> Error {
-    if error.kind() != ErrorKind::NotFound {
-        return Error::file(path, format!("ffmpeg cannot be started: {error}"));
-    }
-    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let problem = format!(
-        "films are decoded by ffmpeg and ffprobe, which are not on PATH. Install them (apt install \
-         ffmpeg, brew install ffmpeg, winget install ffmpeg), or make frames of the film where \
-         they are: ffmpeg -i {name} -fps_mode passthrough {stem}.%04d.png"
-    );
-    Error::file(path, problem)
-}
 
 /// The frames of a film as bytes, in order. A frame that was passed is reached by starting anew.
 pub(super) struct Decoder {
@@ -98,12 +65,6 @@ struct Pump {
 
 /// How many frames may wait.
 const AHEAD: usize = 1;
-
-/// A complaint of ffmpeg without the addresses in it, which are never twice the same.
-pub(super) fn complaint(line: &str) -> String {
-    let words = line.split_whitespace().filter(|word| !word.starts_with("0x") && *word != "@");
-    words.collect::<Vec<_>>().join(" ")
-}
 
 impl Pump {
     /// Sends frames until there are no more, or ffmpeg complains, or nobody wants them.

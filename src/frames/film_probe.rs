@@ -6,7 +6,7 @@ use std::process::Stdio;
 use serde::Deserialize;
 
 use crate::error::{Error, Result};
-use crate::frames::film_child::{command, complaint, not_started};
+use crate::frames::film_call::{command, complaint, not_started};
 use crate::frames::range::LONGEST;
 
 /// The first video stream of a film. Words are those of ffprobe; absent ones are unknown.

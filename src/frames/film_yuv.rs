@@ -5,6 +5,7 @@
 //! Y' + 2 (1 - Kb) Cb, and G' is what is left of Y'. Chroma of less than full size is interpolated
 //! linearly between the places where its samples were taken (`chroma_location`; H.273, 8.7).
 
+use crate::frames::film_matrix::Matrix;
 use crate::frames::film_probe::Stream;
 use crate::frames::options::ReadOptions;
 
@@ -33,13 +34,6 @@ enum Planes {
     Gbr,
     /// Luma, and chroma of its size over these, across and down.
     Yuv(usize, usize),
-}
-
-/// The weights of red and blue in luma, from which a matrix of YUV follows.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Matrix {
-    kr: f32,
-    kb: f32,
 }
 
 impl Layout {
@@ -239,28 +233,6 @@ impl pulp::WithSimd for Signals<'_> {
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) {
         self.layout.each_signal(self.frame, self.y, self.out, self.room);
-    }
-}
-
-impl Matrix {
-    pub const BT709: Matrix = Matrix { kr: 0.2126, kb: 0.0722 };
-    pub const BT601: Matrix = Matrix { kr: 0.299, kb: 0.114 };
-    /// Of non-constant luminance.
-    pub const BT2020: Matrix = Matrix { kr: 0.2627, kb: 0.0593 };
-
-    /// Cr, Y', Cb to R', G', B' in place.
-    #[inline(always)]
-    fn apply(self, red: &mut [f32], green: &mut [f32], blue: &mut [f32]) {
-        let (kr, kb) = (self.kr, self.kb);
-        let (of_red, of_blue) = (2.0 * (1.0 - kr), 2.0 * (1.0 - kb));
-        let kg = 1.0 - kr - kb;
-        let (g_red, g_blue) = (of_red * kr / kg, of_blue * kb / kg);
-        for ((r, g), b) in red.iter_mut().zip(green).zip(blue) {
-            let (y, cr, cb) = (*g, *r, *b);
-            *r = y + of_red * cr;
-            *g = y - g_red * cr - g_blue * cb;
-            *b = y + of_blue * cb;
-        }
     }
 }
 

@@ -29,7 +29,9 @@ mod exr_picture;
 mod exr_rows;
 mod exr_sampling;
 mod film;
+mod film_call;
 mod film_child;
+mod film_matrix;
 mod film_probe;
 mod film_yuv;
 mod footage;
@@ -60,7 +62,7 @@ mod written;
 
 pub use exr_description::{Channel, ExrDescription};
 pub use exr_picture::read_exr;
-pub use film_yuv::Matrix;
+pub use film_matrix::Matrix;
 pub use inspect::{Inspection, LuminanceWeights};
 pub use options::{ChannelNames, Negative, NonFinite, Overscan, Quantity, ReadOptions, Wanted};
 pub use picture::{Footage, Header, Kind, View, ViewProjection};

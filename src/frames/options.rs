@@ -1,7 +1,7 @@
 //! How files are to be read.
 
 use crate::colour::Primaries;
-use crate::frames::film_yuv::Matrix;
+use crate::frames::film_matrix::Matrix;
 use crate::frames::transfer::Transfer;
 
 /// What to do with samples that are NaN or infinite.
