@@ -10,9 +10,10 @@
 
 use std::sync::LazyLock;
 
-/// By the upper half of an f32's bits: the code of the lowest number, and where the next begins.
+/// Codes by the upper half of an f32's bits, and where each code begins.
 pub(super) struct Srgb {
-    codes: Vec<(u8, f32)>,
+    codes: Vec<u8>,
+    begins: [f32; 257],
 }
 
 /// Below this, 2^-13, the code is 0.
@@ -33,8 +34,9 @@ impl Srgb {
         }
         let lows =
             (LEAST.to_bits() >> 16..=1f32.to_bits() >> 16).map(|half| f32::from_bits(half << 16));
-        let code = |low| begins.partition_point(|&begin| begin <= low) - 1;
-        Srgb { codes: lows.map(code).map(|code| (code as u8, begins[code + 1])).collect() }
+        let codes =
+            lows.map(|low| (begins.partition_point(|&begin| begin <= low) - 1) as u8).collect();
+        Srgb { codes, begins }
     }
 
     /// The codes nearest to linear values; values outside 0..=1 take the nearest that is inside.
@@ -46,8 +48,14 @@ impl Srgb {
             *inside = linear.max(LEAST).min(1.0);
         }
         for (code, v) in codes.iter_mut().zip(inside) {
-            let (low, next) = self.codes[((v.to_bits() >> 16) - (LEAST.to_bits() >> 16)) as usize];
-            *code = low + u8::from(v >= next);
+            *code = self.codes[((v.to_bits() >> 16) - (LEAST.to_bits() >> 16)) as usize];
+        }
+        let mut next = [0.0; N];
+        for (next, code) in next.iter_mut().zip(codes) {
+            *next = self.begins[usize::from(code) + 1];
+        }
+        for ((code, v), next) in codes.iter_mut().zip(inside).zip(next) {
+            *code += u8::from(v >= next);
         }
         codes
     }

@@ -53,7 +53,9 @@ fn encode_block(
     to_chroma(&mut colour, &mut shares, scale, weights);
     map.share_each(&mut shares);
     to_shown(&mut colour, &shares, highlights);
-    let [red, green, blue] = colour.each_ref().map(|plane| encode::srgb().code_each(plane));
+    let ([red, green, blue], srgb) = (&colour, encode::srgb());
+    // Not by `map`, whose closure would be compiled for any processor.
+    let [red, green, blue] = [srgb.code_each(red), srgb.code_each(green), srgb.code_each(blue)];
     for (((bytes, r), g), b) in out.as_chunks_mut().0.iter_mut().zip(red).zip(green).zip(blue) {
         *bytes = [r, g, b];
     }
