@@ -1,6 +1,6 @@
 //! Each room uses only those above it: the map of the crate docs, held against the imports.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 fn sources(folder: &Path) -> Vec<PathBuf> {
@@ -82,4 +82,56 @@ fn every_room_is_on_the_map_and_uses_only_those_above_it() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The module that a file is: `frames::exr_file`. A `mod.rs` is called after its folder.
+fn module(path: &Path) -> String {
+    let inside = path.strip_prefix(src()).unwrap().with_extension("");
+    let names = inside.iter().map(|name| name.to_str().unwrap()).filter(|name| *name != "mod");
+    names.collect::<Vec<_>>().join("::")
+}
+
+/// The paths that a module's code names, from the crate's root, with groups in braces spelt out.
+fn paths(code: &str, module: &str) -> Vec<String> {
+    let parent =
+        module.rsplit_once("::").map_or(String::new(), |(parent, _)| format!("{parent}::"));
+    let code = code.replace("super::", &format!("crate::{parent}"));
+    let mut paths = Vec::new();
+    for rest in code.split("crate::").skip(1) {
+        let end = rest.find(|c: char| !(c.is_alphanumeric() || c == '_' || c == ':'));
+        let (path, rest) = rest.split_at(end.unwrap_or(rest.len()));
+        let group = rest.strip_prefix('{').and_then(|rest| rest.split("};").next()).unwrap_or("");
+        paths.extend(group.split(',').map(|name| format!("{path}{}", name.trim())));
+    }
+    paths
+}
+
+/// Whether one of them is a folder's `mod.rs` above the other: it declares what it uses.
+fn are_kin(a: &str, b: &str) -> bool {
+    a.starts_with(&format!("{b}::")) || b.starts_with(&format!("{a}::"))
+}
+
+#[test]
+fn no_files_import_each_other_in_a_circle() {
+    let files: BTreeMap<String, PathBuf> =
+        sources(&src()).into_iter().map(|path| (module(&path), path)).collect();
+    let of_path = |path: &str| {
+        let inside = |module: &&String| path == *module || path.starts_with(&format!("{module}::"));
+        files.keys().filter(inside).max_by_key(|module| module.len()).cloned()
+    };
+    let used = |module: &String| -> BTreeSet<String> {
+        let found = paths(&code(&files[module]), module).into_iter().filter_map(|p| of_path(&p));
+        found.filter(|other| other != module && !are_kin(other, module)).collect()
+    };
+    let mut left: BTreeMap<String, BTreeSet<String>> =
+        files.keys().map(|module| (module.clone(), used(module))).collect();
+    // Files that use none of those left, or that none of those left uses, are in no circle.
+    let mut before = usize::MAX;
+    while left.len() < before {
+        before = left.len();
+        let users: BTreeSet<String> = left.keys().cloned().collect();
+        let all: BTreeSet<String> = left.values().flatten().cloned().collect();
+        left.retain(|module, used| !used.is_disjoint(&users) && all.contains(module));
+    }
+    assert!(left.is_empty(), "these import each other: {left:#?}");
 }

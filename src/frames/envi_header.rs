@@ -94,22 +94,9 @@ pub(super) fn parse(text: &str) -> Result<EnviHeader, String> {
     }
     let mut notes = Vec::new();
     let bands = fields.whole("bands", None)?;
-    let listed = fields.list("wavelength", bands)?;
-    if listed.is_empty() {
-        return Err("has no `wavelength` list, so its bands cannot be placed".into());
-    }
-    let to_nm = nanometres(fields.get("wavelength units"), &listed, &mut notes)?;
-    let in_nm = |list: Vec<f64>| list.into_iter().map(|length| length * to_nm).collect();
-    let gains = fields.list("data gain values", bands)?;
-    let offsets = fields.list("data offset values", bands)?;
-    if !gains.is_empty() || !offsets.is_empty() {
-        notes.push("its gains and offsets were applied".into());
-    }
-    let good: Vec<bool> = fields.list("bbl", bands)?.into_iter().map(|good| good != 0.0).collect();
-    let bad = good.iter().filter(|good| !**good).count();
-    if bad > 0 {
-        notes.push(format!("{bad} of its bands, marked bad by bbl, are left out"));
-    }
+    let (wavelengths, fwhm) = fields.wavelengths(bands, &mut notes)?;
+    let (gains, offsets) = fields.gains(bands, &mut notes)?;
+    let good = fields.good(bands, &mut notes)?;
     Ok(EnviHeader {
         samples: fields.whole("samples", None)?,
         lines: fields.whole("lines", None)?,
@@ -118,8 +105,8 @@ pub(super) fn parse(text: &str) -> Result<EnviHeader, String> {
         stored: stored(fields.whole("data type", None)?)?,
         interleave: interleave(fields.get("interleave").unwrap_or("bsq"))?,
         big_endian: fields.whole("byte order", Some(0u64))? == 1,
-        wavelengths: in_nm(listed),
-        fwhm: in_nm(fields.list("fwhm", bands)?),
+        wavelengths,
+        fwhm,
         gains,
         offsets,
         good,
@@ -142,20 +129,47 @@ impl Fields {
         while let Some(line) = lines.next() {
             let Some((key, value)) = line.split_once('=') else { continue };
             let key = key.split_whitespace().collect::<Vec<_>>().join(" ").to_ascii_lowercase();
-            let mut value = value.trim().to_owned();
-            if !value.starts_with('{') {
-                // Some writers put a comment behind a number; in braces `;` is text.
-                value = value.split(';').next().unwrap_or_default().trim_end().to_owned();
-            }
-            while value.starts_with('{') && !value.contains('}') {
-                let next = lines.next();
-                let next = next.ok_or_else(|| format!("has no closing brace after `{key}`"))?;
-                value.push(' ');
-                value.push_str(next.trim());
-            }
+            let value = whole_value(value, &mut lines)
+                .ok_or_else(|| format!("has no closing brace after `{key}`"))?;
             fields.insert(key, value);
         }
         Ok(Fields(fields))
+    }
+
+    /// Centres and widths of the bands, nm. Widths may be absent.
+    fn wavelengths(
+        &self,
+        bands: usize,
+        notes: &mut Vec<String>,
+    ) -> Result<(Vec<f64>, Vec<f64>), String> {
+        let listed = self.list("wavelength", bands)?;
+        if listed.is_empty() {
+            return Err("has no `wavelength` list, so its bands cannot be placed".into());
+        }
+        let to_nm = nanometres(self.get("wavelength units"), &listed, notes)?;
+        let in_nm = |list: Vec<f64>| list.into_iter().map(|length| length * to_nm).collect();
+        Ok((in_nm(listed), in_nm(self.list("fwhm", bands)?)))
+    }
+
+    /// Factors and summands of the bands, where they are told.
+    fn gains(&self, bands: usize, notes: &mut Vec<String>) -> Result<(Vec<f64>, Vec<f64>), String> {
+        let gains = self.list("data gain values", bands)?;
+        let offsets = self.list("data offset values", bands)?;
+        if !gains.is_empty() || !offsets.is_empty() {
+            notes.push("its gains and offsets were applied".into());
+        }
+        Ok((gains, offsets))
+    }
+
+    /// Which bands are to be trusted, where it is told.
+    fn good(&self, bands: usize, notes: &mut Vec<String>) -> Result<Vec<bool>, String> {
+        let good: Vec<bool> =
+            self.list("bbl", bands)?.into_iter().map(|good| good != 0.0).collect();
+        let bad = good.iter().filter(|good| !**good).count();
+        if bad > 0 {
+            notes.push(format!("{bad} of its bands, marked bad by bbl, are left out"));
+        }
+        Ok(good)
     }
 
     fn get(&self, key: &str) -> Option<&str> {
@@ -185,6 +199,21 @@ impl Fields {
         }
         Err(format!("has {bands} bands but {} numbers in `{key}`", numbers.len()))
     }
+}
+
+/// The value that begins on a line, with the lines that follow up to its closing brace.
+fn whole_value<'a>(first: &str, lines: &mut impl Iterator<Item = &'a str>) -> Option<String> {
+    let first = first.trim();
+    if !first.starts_with('{') {
+        // Some writers put a comment behind a number; in braces `;` is text.
+        return Some(first.split(';').next().unwrap_or_default().trim_end().to_owned());
+    }
+    let mut value = first.to_owned();
+    while !value.contains('}') {
+        value.push(' ');
+        value.push_str(lines.next()?.trim());
+    }
+    Some(value)
 }
 
 /// The numbers of a list in braces.

@@ -6,14 +6,79 @@ use std::io::{BufReader, ErrorKind, Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::Path;
 
+use exr::block::chunk::TileCoordinates;
 use exr::compression::Compression;
+use exr::math::Vec2;
 use exr::meta::attribute::{ChannelDescription, IntegerBounds, SampleType};
 use exr::meta::header::Header;
 use exr_blocks::{Damaged, piz};
+use rayon::iter::{ParallelBridge, ParallelIterator};
 
 use crate::error::{Error, Result};
-use crate::frames::exr_file::Part;
+use crate::frames::exr_file::{Part, cut_short, guarded};
+use crate::frames::exr_rows::Rows;
 use crate::frames::exr_sampling::{expanded, is_subsampled, stored_bytes};
+
+impl Part<'_> {
+    /// Decodes the rows that the window shows. `planes` holds `row_length` items for each row of
+    /// the window; `visit` gets decoded rows, the items of just these, and room to
+    /// work in. Results come in order of rows.
+    pub fn decode<T, R, V>(&self, planes: &mut [T], row_length: usize, visit: V) -> Result<Vec<R>>
+    where
+        T: Send,
+        R: Send,
+        V: Fn(&Rows, &mut [T], &mut Vec<f32>) -> R + Sync,
+    {
+        let (columns, rows) = self.seen();
+        let shift = self.offset().1;
+        if columns.is_empty() || rows.is_empty() {
+            return Ok(Vec::new());
+        }
+        let lines = self.lines_per_unit();
+        let units = rows.start / lines..rows.end.div_ceil(lines);
+        let mut source = Chunks::open(self, units.clone())?;
+        let top = (rows.start as i64 + shift) as usize;
+        let mut rest = &mut planes[top * row_length..];
+        let jobs = units.map(|unit| {
+            let seen = rows.start.max(unit * lines)..rows.end.min((unit + 1) * lines);
+            let (mine, others) = std::mem::take(&mut rest).split_at_mut(seen.len() * row_length);
+            rest = others;
+            (unit, seen, mine, source.unit(unit))
+        });
+        let mut results: Vec<(usize, Result<R>)> = jobs
+            .par_bridge()
+            .map_init(Vec::new, |room, (unit, seen, mine, chunks)| {
+                let rows = chunks.and_then(|chunks| self.decompress(unit, seen, chunks));
+                (unit, rows.map(|rows| visit(&rows, mine, room)))
+            })
+            .collect();
+        results.sort_by_key(|(unit, _)| *unit);
+        results.into_iter().map(|(_, result)| result).collect()
+    }
+
+    fn decompress(&self, unit: usize, seen: Range<usize>, chunks: Vec<Vec<u8>>) -> Result<Rows> {
+        let decompress = |(i, bytes): (usize, Vec<u8>)| {
+            let area = self.area(unit, i)?;
+            let columns =
+                area.position.x() as usize..area.position.x() as usize + area.size.width();
+            Ok((columns, decompressed(self.header, bytes, area, &self.file.path)?))
+        };
+        Ok(Rows {
+            blocks: chunks.into_iter().enumerate().map(decompress).collect::<Result<_>>()?,
+            bytes_per_pixel: self.header.channels.bytes_per_pixel,
+            first: unit * self.lines_per_unit(),
+            seen,
+            columns: self.seen().0,
+            offset: self.offset(),
+        })
+    }
+
+    /// The pixels of chunk `i` of a unit, from the data window's corner.
+    fn area(&self, unit: usize, i: usize) -> Result<IntegerBounds> {
+        let tile = TileCoordinates { tile_index: Vec2(i, unit), level_index: Vec2(0, 0) };
+        guarded(&self.file.path, || self.header.get_absolute_block_pixel_coordinates(tile))
+    }
+}
 
 /// The compressed chunks of a part, read in order.
 pub(super) struct Chunks<'a> {
@@ -94,7 +159,7 @@ impl<'a> Chunks<'a> {
 
 /// Decompresses one block: PIZ by our own codec, which is several times as fast, the rest by the
 /// `exr` crate. Every pixel has a sample of every channel.
-pub(super) fn decompressed(
+fn decompressed(
     header: &Header,
     bytes: Vec<u8>,
     area: IntegerBounds,
@@ -162,28 +227,9 @@ fn dwa_sizes_are_sound(bytes: &[u8], header: &Header, area: IntegerBounds) -> bo
     bytes.as_chunks().0.iter().take(11).all(|counter| u64::from_le_bytes(*counter) <= largest)
 }
 
-/// Runs the `exr` crate. None of 400 000 damaged files made it panic, but its codecs index by
-/// numbers from the file: should one ever, that is an error of the file and not the end of a run of
-/// hours.
-pub(super) fn guarded<T>(path: &Path, work: impl FnOnce() -> exr::error::Result<T>) -> Result<T> {
-    match std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)) {
-        Ok(Ok(done)) => Ok(done),
-        Ok(Err(exr::error::Error::Invalid(problem))) if problem == "reference to missing bytes" => {
-            Err(cut_short(path))
-        }
-        Ok(Err(exr::error::Error::Io(error))) => Err(Error::io(path, "read")(error)),
-        Ok(Err(error)) => Err(Error::file(path, format!("cannot be read as OpenEXR: {error}"))),
-        Err(_) => Err(Error::file(path, "is damaged: its pixels cannot be decompressed")),
-    }
-}
-
 fn read_whole(reader: &mut impl Read, bytes: &mut [u8], path: &Path) -> Result<()> {
     reader.read_exact(bytes).map_err(|error| match error.kind() {
         ErrorKind::UnexpectedEof => cut_short(path),
         _ => Error::io(path, "read")(error),
     })
-}
-
-fn cut_short(path: &Path) -> Error {
-    Error::file(path, "is cut short: it ends before its picture does")
 }

@@ -2,15 +2,21 @@
 
 use std::collections::BTreeMap;
 
-use exr::meta::attribute::{AttributeValue, IntegerBounds, SampleType};
+use exr::meta::attribute::{AttributeValue, IntegerBounds, SampleType, Text};
 use exr::meta::header::Header;
 use serde::Serialize;
 
-use crate::frames::exr_file::text;
 use crate::text::shown;
 
 /// Longer attribute texts are cut, characters.
 const LONGEST_TEXT: usize = 200;
+
+/// A name or text of a file: UTF-8 where it is that, else Latin-1.
+pub(super) fn text(text: &Text) -> String {
+    let bytes = text.as_slice();
+    let latin = || bytes.iter().map(|&byte| char::from(byte)).collect();
+    std::str::from_utf8(bytes).map_or_else(|_| latin(), str::to_owned)
+}
 
 /// Windows are left, top, right, bottom, the last two included.
 #[derive(Clone, Debug, Serialize)]

@@ -5,7 +5,8 @@ use exr::meta::header::Header;
 
 use crate::colour::Primaries;
 use crate::frames::channels::{Choice, Offer, choose, listed};
-use crate::frames::exr_file::{ExrFile, text};
+use crate::frames::exr_description::text;
+use crate::frames::exr_file::ExrFile;
 use crate::frames::options::ReadOptions;
 
 /// What Blender calls the layer that is the whole picture, after the name of its view layer.

@@ -7,8 +7,9 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Result};
+use crate::frames::format::{Footage, Format};
 use crate::frames::options::{Overscan, ReadOptions};
-use crate::frames::picture::{Footage, Format, Header, Kind};
+use crate::frames::picture::{Header, Kind};
 use crate::frames::plate::Plate;
 use crate::light::{Frame, Planes, Window};
 use crate::vision::Projection;

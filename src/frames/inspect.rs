@@ -6,8 +6,9 @@ use serde::Serialize;
 
 use crate::error::{Error, Result};
 use crate::frames::exr_description::ExrDescription;
+use crate::frames::format::{Footage, Format};
 use crate::frames::options::{Negative, NonFinite, ReadOptions};
-use crate::frames::picture::{Footage, Format, Header, Kind};
+use crate::frames::picture::{Header, Kind};
 use crate::light::{Planes, Tally};
 use crate::vision::Projection;
 

@@ -6,43 +6,12 @@ use crate::frames::inspect::Inspection;
 
 impl Display for Inspection {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let (file, format) = (&self.file, &self.format);
         let kind = self.kind.unwrap_or("unrecognised");
-        writeln!(
-            f,
-            "{}: {kind} {}, {} x {} pixels",
-            self.file, self.format, self.width, self.height
-        )?;
-        if let Some(primaries) = &self.primaries {
-            let points = primaries.map(|[x, y]| format!("{x} {y}"));
-            line(f, "primaries", format!("{}; white {}", points[..3].join(", "), points[3]))?;
-        }
-        if let Some(bands) = &self.bands_nm {
-            line(f, "bands", bands_text(bands))?;
-        }
-        if let Some(exr) = &self.exr {
-            line(f, "channels", exr_channels(&exr.channels))?;
-            line(f, "compression", &exr.compression)?;
-            if exr.data_window != exr.display_window {
-                line(
-                    f,
-                    "data window",
-                    format!("{:?} in {:?}", exr.data_window, exr.display_window),
-                )?;
-            }
-        }
-        if let Some(white) = self.white_cd_m2 {
-            line(f, "white", format!("{white} cd/m2"))?;
-        }
-        if let (Some(frames), Some(duration)) = (self.frames, self.duration_s) {
-            line(
-                f,
-                "film",
-                format!("{frames} frames in {} s; values of the first", short(duration)),
-            )?;
-        }
-        if let Some(rate) = self.frames_per_second {
-            line(f, "frame rate", format!("{rate} /s"))?;
-        }
+        writeln!(f, "{file}: {kind} {format}, {} x {} pixels", self.width, self.height)?;
+        self.colours(f)?;
+        self.storage(f)?;
+        self.time(f)?;
         if let Some([low, high]) = self.luminance_cd_m2 {
             line(f, "luminance", format!("{} to {} cd/m2", short(low), short(high)))?;
         }
@@ -55,6 +24,43 @@ impl Display for Inspection {
 }
 
 impl Inspection {
+    fn colours(&self, f: &mut Formatter<'_>) -> Result {
+        if let Some(primaries) = &self.primaries {
+            let points = primaries.map(|[x, y]| format!("{x} {y}"));
+            line(f, "primaries", format!("{}; white {}", points[..3].join(", "), points[3]))?;
+        }
+        if let Some(bands) = &self.bands_nm {
+            line(f, "bands", bands_text(bands))?;
+        }
+        Ok(())
+    }
+
+    fn storage(&self, f: &mut Formatter<'_>) -> Result {
+        if let Some(exr) = &self.exr {
+            line(f, "channels", exr_channels(&exr.channels))?;
+            line(f, "compression", &exr.compression)?;
+            if exr.data_window != exr.display_window {
+                let windows = format!("{:?} in {:?}", exr.data_window, exr.display_window);
+                line(f, "data window", windows)?;
+            }
+        }
+        if let Some(white) = self.white_cd_m2 {
+            line(f, "white", format!("{white} cd/m2"))?;
+        }
+        Ok(())
+    }
+
+    fn time(&self, f: &mut Formatter<'_>) -> Result {
+        if let (Some(frames), Some(duration)) = (self.frames, self.duration_s) {
+            let film = format!("{frames} frames in {} s; values of the first", short(duration));
+            line(f, "film", film)?;
+        }
+        if let Some(rate) = self.frames_per_second {
+            line(f, "frame rate", format!("{rate} /s"))?;
+        }
+        Ok(())
+    }
+
     fn values(&self, f: &mut Formatter<'_>) -> Result {
         if self.ranges.is_empty() {
             return Ok(());

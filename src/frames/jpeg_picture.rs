@@ -12,8 +12,9 @@ use zune_jpeg::zune_core::options::DecoderOptions;
 
 use crate::error::{Error, Result};
 use crate::frames::displayed::{Codes, Meaning, refuse_spectral};
+use crate::frames::format::{Footage, Format};
 use crate::frames::options::ReadOptions;
-use crate::frames::picture::{DENSEST, Footage, Format, Header, believable};
+use crate::frames::picture::{DENSEST, Header, believable};
 use crate::frames::turn::{Turn, exif_orientation};
 use crate::light::{Frame, Planes};
 use crate::vision::Projection;

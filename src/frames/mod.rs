@@ -2,7 +2,7 @@
 //! program that touches the disk.
 //!
 //! * Which files: `sequence`, with `pattern` and `range`.
-//! * A picture file and its format: `picture`, `options`; one format each: `exr_*`, `radiance`,
+//! * A picture file and its format: `picture`, `format`, `options`; one format each: `exr_*`, `radiance`,
 //!   `*_picture`, `envi*`, `film*`, listed in `FORMATS`. Footage of many files: `footage`.
 //! * Fewer pixels: `reduced`, by the means of [`area`].
 //! * Codes made for a display to light: `displayed`, `transfer`.
@@ -24,6 +24,7 @@ mod envi_pair;
 mod exr_chunks;
 mod exr_description;
 mod exr_file;
+mod exr_footage;
 mod exr_layer;
 mod exr_picture;
 mod exr_rows;
@@ -35,6 +36,7 @@ mod film_matrix;
 mod film_probe;
 mod film_yuv;
 mod footage;
+mod format;
 mod inspect;
 mod inspect_text;
 mod jpeg_picture;
@@ -61,27 +63,28 @@ mod visible;
 mod written;
 
 pub use exr_description::{Channel, ExrDescription};
-pub use exr_picture::read_exr;
+pub use exr_footage::read_exr;
 pub use film_matrix::Matrix;
+pub use format::Footage;
 pub use inspect::{Inspection, LuminanceWeights};
 pub use options::{ChannelNames, Negative, NonFinite, Overscan, Quantity, ReadOptions, Wanted};
-pub use picture::{Footage, Header, Kind, View, ViewProjection};
-pub use plate::Plate;
+pub use picture::{Header, Kind, View, ViewProjection};
+pub use plate::{Plate, write_percept};
 pub use png_bytes::decode_png;
 pub use range::parse as parse_range;
 pub use reduced::no_wider;
 pub use sequence::{Missing, Sequence};
 pub use state::{read_state, write_state};
 pub use transfer::{Transfer, TransferKey};
-pub use written::{About, Compression, encode_png, write_exr, write_percept, write_png};
+pub use written::{About, Compression, encode_png, write_exr, write_png};
 
 use std::path::{Path, PathBuf};
 
 use crate::error::Result;
 
 /// The formats that are read. To add one: a file with a reader and its `FORMAT`, and two lines here.
-static FORMATS: [&picture::Format; 6] = [
-    &exr_picture::FORMAT,
+static FORMATS: [&format::Format; 6] = [
+    &exr_footage::FORMAT,
     &radiance::FORMAT,
     &png_picture::FORMAT,
     &jpeg_picture::FORMAT,

@@ -1,5 +1,4 @@
-//! A picture file: what its header says, how it is opened and decoded, and the checks that every
-//! format shares.
+//! A picture file: what its header says, and the checks that every format shares.
 
 use std::path::Path;
 
@@ -8,15 +7,12 @@ use serde::{Deserialize, Serialize};
 use crate::colour::Primaries;
 use crate::error::{Error, Result};
 use crate::frames::census::{Census, Mending, Sample, verdict};
-use crate::frames::exr_description::ExrDescription;
 use crate::frames::memory;
 use crate::frames::options::ReadOptions;
-use crate::frames::plate::Plate;
 use crate::frames::transfer::Transfer;
-use crate::light::{Frame, Planes, Samples, Window};
+use crate::light::{Frame, Planes, Samples};
 use crate::spectrum::Bands;
 use crate::units::Nits;
-use crate::vision::Projection;
 
 /// What the samples of a frame mean.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,73 +88,6 @@ impl View {
             }
         }
     }
-}
-
-/// Frames that can be read in any order, by any thread: a picture file, a film, a list of files, the
-/// built-in scene.
-pub trait Footage: Send + Sync {
-    /// Size and meaning, the same for every frame.
-    fn header(&self) -> &Header;
-    /// How many different frames there are; never 0.
-    fn len(&self) -> usize {
-        1
-    }
-    /// Never true: footage without a frame is refused when it is opened.
-    fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-    /// The starts of all frames and the end of the last, s from 0, where a film tells them.
-    fn times(&self) -> Option<&[f64]> {
-        None
-    }
-    /// Decodes frame `index`. Spectral frames are projected block by block, and keep every band
-    /// without a projection; RGB frames keep their samples. `recycled` may hold the planes of an
-    /// earlier frame to be written over.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::File`] for a frame that is damaged, cut short or unlike the first one.
-    fn read(
-        &self,
-        index: usize,
-        projection: Option<&Projection>,
-        recycled: Option<Planes>,
-    ) -> Result<Frame>;
-    /// The moments of frame `index` in double precision, where every place has the same light.
-    fn uniform(&self, index: usize) -> Option<&[f64]> {
-        let _ = index;
-        None
-    }
-    /// The display window among the pixels of every frame.
-    fn window(&self) -> Window {
-        Window::whole([self.header().width, self.header().height])
-    }
-    /// What else frame `index` carries, to be written with its percept; `None` where that is
-    /// nothing.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::File`] for a frame that can no longer be read.
-    fn plate(&self, index: usize) -> Result<Option<Plate>> {
-        let _ = index;
-        Ok(None)
-    }
-    /// What an OpenEXR header tells beyond the rest.
-    fn description(&self) -> Option<ExrDescription> {
-        None
-    }
-}
-
-/// A file format: one static of each reader, listed in `FORMATS`.
-pub(super) struct Format {
-    pub name: &'static str,
-    /// In lower case. Two formats may share one; [`Format::recognise`] then decides.
-    pub extensions: &'static [&'static str],
-    /// Whether a file is of this format, by its first 16 bytes or by what lies beside it.
-    pub recognise: fn(&Path, &[u8]) -> bool,
-    pub open: fn(&Path, &ReadOptions) -> Result<Box<dyn Footage>>,
-    /// Width, height and header of a file whose channels tell no picture.
-    pub outline: fn(&Path) -> Option<(usize, usize, ExrDescription)>,
 }
 
 /// The densest compression that is believed, bytes of pixels for each byte of the file. Measured on

@@ -23,7 +23,7 @@ use crate::frames::exr_file::Part;
 use crate::frames::exr_picture::ExrPicture;
 use crate::frames::plate_channels::{Carried, Colours, channels};
 use crate::frames::plate_header::{headers, part_header};
-use crate::frames::written::{About, Compression, packed};
+use crate::frames::written::{About, Compression, packed, write_exr};
 use crate::light::Planes;
 
 /// Rows that are decoded and encoded together: a multiple of every block's.
@@ -36,10 +36,25 @@ pub struct Plate {
     pub(super) gain: f32,
 }
 
+/// Writes the percept of a frame: the frame's plate in these colours where it is one, else R, G and
+/// B alone.
+pub fn write_percept(
+    path: &Path,
+    planes: &Planes,
+    compression: Compression,
+    about: &About,
+    plate: Option<&Plate>,
+) -> Result<()> {
+    match plate {
+        Some(plate) => plate.write(path, planes, compression, about),
+        None => write_exr(path, &["R", "G", "B"], planes, compression, about),
+    }
+}
+
 impl Plate {
     /// Writes the plate with `planes` as its colours where they cover its data window. Beyond them
     /// its own stay.
-    pub(super) fn write(
+    fn write(
         &self,
         path: &Path,
         planes: &Planes,
@@ -51,35 +66,50 @@ impl Plate {
         if (planes.width, planes.height) != (canvas.width(), canvas.height()) {
             return Err(Error::file(&file.path, "has another size than when it was read"));
         }
-        let channels = channels(&self.picture);
-        let header = part_header(&self.picture, &channels, compression, about);
-        let sheet = Sheet {
-            colours: Colours { planes, window: canvas.window, gain: self.gain },
-            canvas,
-            channels,
-            header,
-            compression,
-        };
+        let sheet = self.sheet(canvas, planes, compression, about);
         let reread = || {
             let mut reader = BufReader::new(File::open(&file.path)?);
             Headers::read(&mut reader).map(|headers| (headers, reader))
         };
-        let (source, mut reader) = reread().map_err(Error::io(&file.path, "read"))?;
+        let (source, reader) = reread().map_err(Error::io(&file.path, "read"))?;
         let headers = headers(&self.picture, source, &sheet.header);
-        write_whole(path, |sink| {
-            let mut counts =
-                file.meta.headers.iter().map(|part| part.chunk_count).collect::<Vec<_>>();
-            counts[self.picture.part] = sheet.header.chunk_count;
-            let mut out = Writer::begin(sink, &headers, counts)?;
-            for part in 0..headers.parts.len() {
-                if part == self.picture.part {
-                    sheet.encode(&mut |y, block| out.scan_lines(part, y, block))?;
-                } else {
-                    self.copy(part, &mut reader, &mut out)?;
-                }
+        write_whole(path, |sink| self.write_parts(&sheet, &headers, reader, sink))
+    }
+
+    /// The picture's part in new colours.
+    fn sheet<'a>(
+        &self,
+        canvas: Part<'a>,
+        planes: &'a Planes,
+        compression: Compression,
+        about: &About,
+    ) -> Sheet<'a> {
+        let channels = channels(&self.picture);
+        let header = part_header(&self.picture, &channels, compression, about);
+        let colours = Colours { planes, window: canvas.window, gain: self.gain };
+        Sheet { colours, canvas, channels, header, compression }
+    }
+
+    /// Writes all parts, of which one is new.
+    fn write_parts(
+        &self,
+        sheet: &Sheet,
+        headers: &Headers,
+        mut reader: BufReader<File>,
+        sink: &mut dyn Sink,
+    ) -> io::Result<()> {
+        let parts = &self.picture.file.meta.headers;
+        let mut counts: Vec<usize> = parts.iter().map(|part| part.chunk_count).collect();
+        counts[self.picture.part] = sheet.header.chunk_count;
+        let mut out = Writer::begin(sink, headers, counts)?;
+        for part in 0..headers.parts.len() {
+            if part == self.picture.part {
+                sheet.encode(&mut |y, block| out.scan_lines(part, y, block))?;
+            } else {
+                self.copy(part, &mut reader, &mut out)?;
             }
-            out.end()
-        })
+        }
+        out.end()
     }
 
     /// Copies another part as it is.

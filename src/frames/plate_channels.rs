@@ -5,7 +5,7 @@ use exr::meta::attribute::{ChannelDescription, IntegerBounds, SampleType, Text};
 use half::f16;
 
 use crate::frames::Kind;
-use crate::frames::exr_file::text;
+use crate::frames::exr_description::text;
 use crate::frames::exr_picture::ExrPicture;
 use crate::frames::exr_rows::{Place, Rows};
 use crate::light::Planes;

@@ -12,10 +12,9 @@ use std::path::{Path, PathBuf};
 
 use crate::colour::Primaries;
 use crate::error::{Error, Result};
+use crate::frames::format::{Footage, Format};
 use crate::frames::options::{ReadOptions, Wanted};
-use crate::frames::picture::{
-    DENSEST, Footage, Format, Header, Kind, View, ViewProjection, believable, examined,
-};
+use crate::frames::picture::{DENSEST, Header, Kind, View, ViewProjection, believable, examined};
 use crate::frames::rgbe;
 use crate::light::{Frame, Planes};
 use crate::units::Nits;

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use crate::error::Result;
 use crate::frames::area::{covered, reduced};
-use crate::frames::picture::{Footage, Header};
+use crate::frames::format::Footage;
+use crate::frames::picture::Header;
 use crate::light::{Frame, Planes};
 use crate::vision::{Projection, SampledSpectra};
 

@@ -22,8 +22,7 @@ use rayon::prelude::*;
 
 use crate::colour::Primaries;
 use crate::error::{Error, Result};
-use crate::frames::atomic::write_whole;
-use crate::frames::plate::Plate;
+use crate::frames::atomic::{Sink, write_whole};
 use crate::light::{Planes, Row, Samples};
 use crate::units::Nits;
 
@@ -97,21 +96,6 @@ pub struct About {
     pub sungaze: Option<String>,
 }
 
-/// Writes the percept of a frame: the frame's plate in these colours where it is one, else R, G and
-/// B alone.
-pub fn write_percept(
-    path: &Path,
-    planes: &Planes,
-    compression: Compression,
-    about: &About,
-    plate: Option<&Plate>,
-) -> Result<()> {
-    match plate {
-        Some(plate) => plate.write(path, planes, compression, about),
-        None => write_exr(path, &["R", "G", "B"], planes, compression, about),
-    }
-}
-
 /// Writes planes as the channels `names`, each plane in the width that it has. Halves beyond the
 /// largest finite half are written as that.
 pub fn write_exr(
@@ -121,42 +105,52 @@ pub fn write_exr(
     compression: Compression,
     about: &About,
 ) -> Result<()> {
-    let failed = |error: exr::error::Error| {
-        Error::file(path, format!("cannot be written as OpenEXR: {error}"))
-    };
     let (header, order) = header(names, planes, compression, about);
-    let lines = header.compression.scan_lines_per_block();
-    let row_length = planes.width * header.channels.bytes_per_pixel;
-    let blocks: Vec<Vec<u8>> = (0..planes.height.div_ceil(lines))
-        .into_par_iter()
-        .map(|block| {
-            let rows = block * lines..planes.height.min((block + 1) * lines);
-            let mut bytes = vec![0; rows.len() * row_length];
-            for (y, bytes) in rows.clone().zip(bytes.chunks_exact_mut(row_length)) {
-                fill_row(planes, y, &order, bytes);
-            }
-            packed(bytes, &header, compression, rows)
-        })
-        .collect::<Result<_, exr::error::Error>>()
-        .map_err(failed)?;
+    let blocks = packed_blocks(planes, &header, &order, compression)
+        .map_err(|error| Error::file(path, format!("cannot be written as OpenEXR: {error}")))?;
     write_whole(path, |sink| {
-        let written = exr::block::write(sink, [header].into_iter().collect(), true, |_, writer| {
-            for (i, compressed_pixels_le) in blocks.into_iter().enumerate() {
-                let block = CompressedScanLineBlock {
-                    y_coordinate: (i * lines) as i32,
-                    compressed_pixels_le,
-                };
-                writer.write_chunk(
-                    i,
-                    Chunk { layer_index: 0, compressed_block: CompressedBlock::ScanLine(block) },
-                )?;
-            }
-            Ok(())
-        });
+        let written = write_blocks(sink, header, blocks);
         written.map_err(|error| match error {
             exr::error::Error::Io(error) => error,
             other => std::io::Error::other(other),
         })
+    })
+}
+
+/// The blocks of a file as they are stored, from the top.
+fn packed_blocks(
+    planes: &Planes,
+    header: &Header,
+    order: &[usize],
+    compression: Compression,
+) -> exr::error::Result<Vec<Vec<u8>>> {
+    let lines = header.compression.scan_lines_per_block();
+    let row_length = planes.width * header.channels.bytes_per_pixel;
+    let block = |block: usize| {
+        let rows = block * lines..planes.height.min((block + 1) * lines);
+        let mut bytes = vec![0; rows.len() * row_length];
+        for (y, bytes) in rows.clone().zip(bytes.chunks_exact_mut(row_length)) {
+            fill_row(planes, y, order, bytes);
+        }
+        packed(bytes, header, compression, rows)
+    };
+    (0..planes.height.div_ceil(lines)).into_par_iter().map(block).collect()
+}
+
+fn write_blocks(
+    sink: &mut dyn Sink,
+    header: Header,
+    blocks: Vec<Vec<u8>>,
+) -> exr::error::Result<()> {
+    let lines = header.compression.scan_lines_per_block();
+    exr::block::write(sink, [header].into_iter().collect(), true, |_, writer| {
+        for (i, compressed_pixels_le) in blocks.into_iter().enumerate() {
+            let y_coordinate = (i * lines) as i32;
+            let block = CompressedScanLineBlock { y_coordinate, compressed_pixels_le };
+            let compressed_block = CompressedBlock::ScanLine(block);
+            writer.write_chunk(i, Chunk { layer_index: 0, compressed_block })?;
+        }
+        Ok(())
     })
 }
 
