@@ -7,7 +7,7 @@ use std::path::Path;
 
 use sungaze::colour::Primaries;
 use sungaze::config::Config;
-use sungaze::config::settings::{DirectionalKey, NarrowingKey, PupilKey, SetKey, Steep, SteepWord};
+use sungaze::config::settings::{DirectionalKey, PupilKey, Steep, SteepWord};
 use sungaze::frames::{About, Compression, write_exr};
 use sungaze::light::{Planes, Samples};
 use sungaze::observer::{
@@ -218,19 +218,19 @@ fn preset_paper_is_the_observer_of_the_paper_until_a_key_says_otherwise() {
         Config::parse(toml, "test", "test", Path::new(""), &[]).expect("a configuration")
     };
     let paper = parse("observer.preset = \"paper\"").settings.observer;
-    assert_eq!(paper.fundamentals, SetKey::Smj1993);
+    assert_eq!(paper.fundamentals, Set::Smj1993);
     assert_eq!(paper.pupil, PupilKey::MoonSpencerAsPrinted);
     assert_eq!(paper.stiles_crawford, DirectionalKey::Paper);
     assert_eq!(paper.stiles_crawford_p, Steep::Word(SteepWord::LensCorrected));
     assert_eq!((paper.half_bleach_log_td, paper.tau_s), ([3.89; 3], [120.0; 3]));
-    assert_eq!(paper.narrowing, NarrowingKey::Narrowed);
+    assert_eq!(paper.narrowing, Narrowing::Narrowed);
     let other = parse(
         "observer = { preset = \"paper\", constants = \"hollins-alpern\", tau_s = [1, 2, 3] }",
     )
     .settings
     .observer;
     assert_eq!((other.half_bleach_log_td, other.tau_s), ([4.3, 4.3, 5.0], [1.0, 2.0, 3.0]));
-    assert_eq!(other.fundamentals, SetKey::Smj1993);
+    assert_eq!(other.fundamentals, Set::Smj1993);
 }
 
 #[test]

@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use crate::config::Config;
-use crate::config::settings::SetKey;
 use crate::error::Result;
 use crate::observer::directional::eta;
 use crate::observer::{Field, Fundamentals, Reading, Set, Steepness};
@@ -43,8 +42,8 @@ pub(super) fn write(out_dir: &Path, observer: &Config, progress: Progress) -> Re
 fn name(observer: &Config) -> String {
     let o = &observer.settings.observer;
     match o.fundamentals {
-        SetKey::Cie2006 => format!("CIE 2006, {}°, {} years", o.field_deg, o.age),
-        SetKey::Smj1993 => "SMJ 1993, 10°".into(),
+        Set::Cie2006 => format!("CIE 2006, {}°, {} years", o.field_deg, o.age),
+        Set::Smj1993 => "SMJ 1993, 10°".into(),
     }
 }
 

@@ -4,10 +4,10 @@ use std::collections::HashSet;
 
 use super::Wrong;
 use super::settings::{
-    Aim, Channels, DisplayFile, Input, ObserverKeys, PupilKey, Scene, SetKey, Settings, Steep,
-    SurroundKey, Times, UnitKey,
+    Aim, Channels, DisplayFile, Input, ObserverKeys, PupilKey, Scene, Settings, Steep, SurroundKey,
+    Times, UnitKey,
 };
-use crate::observer::lens;
+use crate::observer::{Set, lens};
 
 type Check = Result<(), Wrong>;
 
@@ -269,7 +269,7 @@ fn observer(s: &Settings) -> Check {
 /// The lens of `cie2006` is known for fewer ages than pupil and scatter.
 fn age(o: &ObserverKeys) -> Check {
     let (low, high) = lens::AGES;
-    if o.fundamentals == SetKey::Cie2006 && !(low..=high).contains(&o.age) {
+    if o.fundamentals == Set::Cie2006 && !(low..=high).contains(&o.age) {
         let why = "the ages whose lens CIE 170-1 gives; fundamentals = \"smj1993\" knows no age";
         return wrong("observer.age", short(o.age), &format!("{low} to {high}, {why}"));
     }

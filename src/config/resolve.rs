@@ -1,41 +1,28 @@
 //! Settings -> the things they name.
 
 use crate::colour::Primaries;
-use crate::display::{Ceiling, Display, Tone};
+use crate::display::{Display, Tone};
 use crate::error::{Error, Result};
 use crate::eye::pigment::Model;
 use crate::eye::{Surround, plan};
 use crate::frames::builtin::Sunset;
-use crate::frames::{
-    self, ChannelNames, Compression, Matrix, Negative, NonFinite, Overscan, Quantity, ReadOptions,
-    Sequence, Wanted,
-};
+use crate::frames::{ChannelNames, Compression, Matrix, Overscan, ReadOptions, Sequence};
 use crate::kinetics::{Kinetics, Law};
-use crate::observer::{
-    Directional, Dynamics, Field, Narrowing, Observer, Reading, Rule, Set, Steepness,
-};
+use crate::observer::{Directional, Dynamics, Field, Observer, Reading, Rule, Set, Steepness};
 use crate::optics::Scatter;
 use crate::step::Method;
 use crate::units::{Degrees, Millimetres, Nits, Seconds, Trolands};
 
-use super::settings::{self, *};
+use super::settings::*;
 use super::{Config, field};
 
 impl Config {
     /// The observer of `[observer]`.
     pub fn observer(&self) -> Observer {
         let o = &self.settings.observer;
-        let set = match o.fundamentals {
-            SetKey::Cie2006 => Set::Cie2006,
-            SetKey::Smj1993 => Set::Smj1993,
-        };
         let field = if o.field_deg == 2 { Field::TwoDegrees } else { Field::TenDegrees };
-        let narrowing = match o.narrowing {
-            NarrowingKey::Depleted => Narrowing::Depleted,
-            NarrowingKey::Narrowed => Narrowing::Narrowed,
-        };
-        let density = self.density();
-        let mut observer = Observer::new(set, field, density, narrowing, self.directional());
+        let (set, directional) = (o.fundamentals, self.directional());
+        let mut observer = Observer::new(set, field, self.density(), o.narrowing, directional);
         if set == Set::Cie2006 && !self.is_at_the_retina() {
             observer = observer.aged(o.age);
         }
@@ -120,14 +107,10 @@ impl Config {
     /// The display of `[display]`.
     pub fn display(&self) -> Display {
         let d = &self.settings.display;
-        let ceiling = match d.ceiling {
-            CeilingKey::Human => Ceiling::Human,
-            CeilingKey::Linear => Ceiling::Linear,
-        };
         Display {
             white: Nits(d.white_cd_m2),
             tone: match d.tone {
-                ToneKey::Ward => Tone::Ward(ceiling),
+                ToneKey::Ward => Tone::Ward(d.ceiling),
                 ToneKey::Exposure => Tone::Exposure { ev: d.exposure_ev },
             },
             smoothing: Seconds(d.smoothing_s),
@@ -139,46 +122,24 @@ impl Config {
     pub fn read_options(&self) -> Result<ReadOptions> {
         let input = &self.settings.input;
         Ok(ReadOptions {
-            wanted: match input.kind {
-                FileKind::Auto => Wanted::Auto,
-                FileKind::Rgb => Wanted::Rgb,
-                FileKind::Spectral => Wanted::Spectral,
-            },
+            wanted: input.kind,
             layer: input.layer.clone(),
             scale: input.scale,
-            quantity: match input.quantity {
-                QuantityKey::Density => Quantity::Density,
-                QuantityKey::BandIntegral => Quantity::BandIntegral,
-            },
+            quantity: input.quantity,
             channels: self.channel_names()?,
             overscan: match self.settings.output.keep {
                 KeepKey::All => Overscan::OfFirst,
                 KeepKey::None => Overscan::None,
             },
-            non_finite: match input.non_finite {
-                NonFiniteKey::Error => NonFinite::Error,
-                NonFiniteKey::Clamp => NonFinite::Clamp,
-            },
-            negative: match input.negative {
-                NegativeKey::Keep => Negative::Keep,
-                NegativeKey::Clamp => Negative::Clamp,
-            },
+            non_finite: input.non_finite,
+            negative: input.negative,
             max_pixels: input.max_pixels,
             own_white: input.white_cd_m2.is_none(),
             primaries: primaries(input.primaries),
             transfer: input.transfer.transfer(input.peak_cd_m2),
             peak_cd_m2: input.peak_cd_m2,
-            matrix: match input.matrix {
-                MatrixKey::Auto => None,
-                MatrixKey::Bt601 => Some(Matrix::BT601),
-                MatrixKey::Bt709 => Some(Matrix::BT709),
-                MatrixKey::Bt2020Ncl => Some(Matrix::BT2020),
-            },
-            full_range: match input.code_range {
-                CodeRangeKey::Auto => None,
-                CodeRangeKey::Limited => Some(false),
-                CodeRangeKey::Full => Some(true),
-            },
+            matrix: matrix(input.matrix),
+            full_range: full_range(input.code_range),
         })
     }
 
@@ -237,18 +198,13 @@ impl Config {
             Some(OneOrMany::One(name)) => std::slice::from_ref(name),
             Some(OneOrMany::Many(names)) => names,
         };
-        let missing = match input.missing {
-            settings::Missing::Error => frames::Missing::Error,
-            settings::Missing::Hold => frames::Missing::Hold,
-        };
-        Sequence::find(names, &self.base, &input.range, missing).map(Some).map_err(|error| {
-            match error {
-                Error::Config { key, problem, .. } => self.wrong(&format!("input.{key}"), problem),
-                Error::File { path, problem } => {
-                    self.wrong("input.frames", format!("{}: {problem}", path.display()))
-                }
-                other => other,
+        let found = Sequence::find(names, &self.base, &input.range, input.missing);
+        found.map(Some).map_err(|error| match error {
+            Error::Config { key, problem, .. } => self.wrong(&format!("input.{key}"), problem),
+            Error::File { path, problem } => {
+                self.wrong("input.frames", format!("{}: {problem}", path.display()))
             }
+            other => other,
         })
     }
 
@@ -302,5 +258,24 @@ fn primaries(key: PrimariesKey) -> Option<Primaries> {
         PrimariesKey::P3Dci => Some(Primaries::P3_DCI),
         PrimariesKey::Acescg => Some(Primaries::ACESCG),
         PrimariesKey::Aces => Some(Primaries::ACES),
+    }
+}
+
+/// The matrix of `input.matrix`; nothing for the film's own.
+fn matrix(key: MatrixKey) -> Option<Matrix> {
+    match key {
+        MatrixKey::Auto => None,
+        MatrixKey::Bt601 => Some(Matrix::BT601),
+        MatrixKey::Bt709 => Some(Matrix::BT709),
+        MatrixKey::Bt2020Ncl => Some(Matrix::BT2020),
+    }
+}
+
+/// Whether codes have full range, by `input.code_range`; nothing for the film's own word.
+fn full_range(key: CodeRangeKey) -> Option<bool> {
+    match key {
+        CodeRangeKey::Auto => None,
+        CodeRangeKey::Limited => Some(false),
+        CodeRangeKey::Full => Some(true),
     }
 }

@@ -3,10 +3,13 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::display::Ceiling;
 use crate::frames::uniform;
-use crate::frames::{TransferKey, ViewProjection};
+use crate::frames::{
+    Missing, Negative, NonFinite, Quantity, ReadOptions, TransferKey, ViewProjection, Wanted,
+};
 use crate::observer::lens::TABULATED_AGE;
-use crate::observer::{Field, Set};
+use crate::observer::{Field, Narrowing, Set};
 use crate::optics::{Draw, Psf, Scatter};
 
 pub use super::words::*;
@@ -44,10 +47,8 @@ impl Settings {
         let sunset = input.scene == Some(Scene::Sunset) && self.observer.preset == Preset::Standard;
         self.optics.psf.get_or_insert(if sunset { Psf::Cie } else { Psf::None });
         let observer = &mut self.observer;
-        let set =
-            if observer.fundamentals == SetKey::Smj1993 { Set::Smj1993 } else { Set::Cie2006 };
         let field = if observer.field_deg == 2 { Field::TwoDegrees } else { Field::TenDegrees };
-        observer.optical_density.get_or_insert(set.optical_density(field));
+        observer.optical_density.get_or_insert(observer.fundamentals.optical_density(field));
         self
     }
 }
@@ -86,13 +87,13 @@ pub struct Input {
     pub frames: Option<OneOrMany>,
     #[serde(skip_serializing_if = "String::is_empty", deserialize_with = "word_or_number")]
     pub range: String,
-    pub kind: FileKind,
+    pub kind: Wanted,
     #[serde(skip_serializing_if = "String::is_empty")]
     pub layer: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub white_cd_m2: Option<f64>,
     pub scale: f64,
-    pub quantity: QuantityKey,
+    pub quantity: Quantity,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub channels: Option<Channels>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -109,13 +110,14 @@ pub struct Input {
     pub matrix: MatrixKey,
     pub code_range: CodeRangeKey,
     pub missing: Missing,
-    pub non_finite: NonFiniteKey,
-    pub negative: NegativeKey,
+    pub non_finite: NonFinite,
+    pub negative: Negative,
     pub max_pixels: u64,
 }
 
 impl Default for Input {
     fn default() -> Self {
+        let read = ReadOptions::default();
         Input {
             scene: None,
             width: None,
@@ -131,11 +133,11 @@ impl Default for Input {
             history: None,
             frames: None,
             range: String::new(),
-            kind: FileKind::Auto,
+            kind: read.wanted,
             layer: String::new(),
             white_cd_m2: None,
-            scale: 1.0,
-            quantity: QuantityKey::Density,
+            scale: read.scale,
+            quantity: read.quantity,
             channels: None,
             bands_nm: None,
             horizontal_fov_deg: None,
@@ -145,10 +147,10 @@ impl Default for Input {
             peak_cd_m2: None,
             matrix: MatrixKey::Auto,
             code_range: CodeRangeKey::Auto,
-            missing: Missing::Error,
-            non_finite: NonFiniteKey::Error,
-            negative: NegativeKey::Keep,
-            max_pixels: 268_435_456,
+            missing: Missing::default(),
+            non_finite: read.non_finite,
+            negative: read.negative,
+            max_pixels: read.max_pixels,
         }
     }
 }
@@ -343,7 +345,7 @@ impl Default for OpticsKeys {
 pub struct ObserverKeys {
     pub preset: Preset,
     pub field_deg: u32,
-    pub fundamentals: SetKey,
+    pub fundamentals: Set,
     pub pupil: PupilKey,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pupil_mm: Option<f64>,
@@ -364,7 +366,7 @@ pub struct ObserverKeys {
     /// Absent: that of the fundamentals and the field.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub optical_density: Option<[f64; 3]>,
-    pub narrowing: NarrowingKey,
+    pub narrowing: Narrowing,
     pub start: String,
 }
 
@@ -373,7 +375,7 @@ impl Default for ObserverKeys {
         ObserverKeys {
             preset: Preset::Standard,
             field_deg: 2,
-            fundamentals: SetKey::Cie2006,
+            fundamentals: Set::Cie2006,
             pupil: PupilKey::WatsonYellott,
             pupil_mm: None,
             age: TABULATED_AGE,
@@ -391,7 +393,7 @@ impl Default for ObserverKeys {
             tau_s: [120.0; 3],
             km: 0.2,
             optical_density: None,
-            narrowing: NarrowingKey::Depleted,
+            narrowing: Narrowing::Depleted,
             start: "rested".into(),
         }
     }
@@ -433,7 +435,7 @@ impl Default for Numerics {
 #[serde(default, deny_unknown_fields)]
 pub struct DisplayKeys {
     pub tone: ToneKey,
-    pub ceiling: CeilingKey,
+    pub ceiling: Ceiling,
     pub exposure_ev: f64,
     pub white_cd_m2: f64,
     #[serde(serialize_with = "infinity_as_word")]
@@ -450,7 +452,7 @@ impl Default for DisplayKeys {
     fn default() -> Self {
         DisplayKeys {
             tone: ToneKey::Ward,
-            ceiling: CeilingKey::Human,
+            ceiling: Ceiling::default(),
             exposure_ev: 0.0,
             white_cd_m2: 100.0,
             smoothing_s: 0.5,

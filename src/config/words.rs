@@ -24,10 +24,6 @@ words! {
     UnitKey { Td, #[serde(rename = "cd_m2")] CdM2 } default Td
     /// What lies under its horizon.
     Horizon { Sea } default Sea
-    /// `input.kind`.
-    FileKind { Auto, Rgb, Spectral } default Auto
-    /// `input.quantity`.
-    QuantityKey { Density, BandIntegral } default Density
     /// `input.primaries`: of RGB whose file does not say them, or says others.
     PrimariesKey {
         Auto, Bt709, #[serde(rename = "bt601-525")] Bt601Of525, #[serde(rename = "bt601-625")] Bt601Of625, Bt2020,
@@ -37,30 +33,18 @@ words! {
     MatrixKey { Auto, Bt601, Bt709, Bt2020Ncl } default Auto
     /// `input.code_range`: of a film's codes.
     CodeRangeKey { Auto, Limited, Full } default Auto
-    /// `input.missing`.
-    Missing { Error, Hold } default Error
-    /// `input.non_finite`.
-    NonFiniteKey { Error, Clamp } default Error
-    /// `input.negative`.
-    NegativeKey { Keep, Clamp } default Keep
     /// `observer.preset`.
     Preset { Standard, Paper } default Standard
-    /// `observer.fundamentals`; `smj1993` is the paper's.
-    SetKey { Cie2006, Smj1993 } default Cie2006
     /// `observer.pupil`.
     PupilKey { WatsonYellott, MoonSpencer, MoonSpencerAsPrinted, DeGrootGebhard, DeGrootGebhardAsPrinted, Fixed } default WatsonYellott
     /// `observer.stiles_crawford`.
     DirectionalKey { Pupil, Paper, Off } default Pupil
     /// `observer.kinetics`.
     LawKey { FirstOrder, SelfScreened, RateLimited } default FirstOrder
-    /// `observer.narrowing`.
-    NarrowingKey { Depleted, Narrowed } default Depleted
     /// `numerics.model`.
     ModelKey { Auto, None, Steady, Tracked } default Auto
     /// `display.tone`.
     ToneKey { Ward, Exposure } default Ward
-    /// `display.ceiling`.
-    CeilingKey { Human, Linear } default Human
     /// `output.seen`.
     SeenKey { Exr, None } default Exr
     /// `output.keep`.

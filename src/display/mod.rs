@@ -21,12 +21,15 @@ mod ward;
 pub use screen::Screen;
 pub use tone::ToneMap;
 
+use serde::{Deserialize, Serialize};
+
 use crate::kernel;
 use crate::light::Survey;
 use crate::units::{Nits, Seconds};
 
 /// What bounds the contrast of a histogram adjustment.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Ceiling {
     /// No step of the world that an observer there could not see becomes visible on the display.
     #[default]

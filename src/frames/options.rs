@@ -1,11 +1,14 @@
 //! How files are to be read.
 
+use serde::{Deserialize, Serialize};
+
 use crate::colour::Primaries;
 use crate::frames::film_matrix::Matrix;
 use crate::frames::transfer::Transfer;
 
 /// What to do with samples that are NaN or infinite.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum NonFinite {
     /// Refuse the frame, naming the first such pixel.
     #[default]
@@ -16,7 +19,8 @@ pub enum NonFinite {
 
 /// What to do with negative samples. (Light on the retina is never negative, whatever is chosen
 /// here.)
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Negative {
     #[default]
     Keep,
@@ -24,7 +28,8 @@ pub enum Negative {
 }
 
 /// What a spectral sample is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Quantity {
     /// Radiance per nm.
     #[default]
@@ -34,7 +39,8 @@ pub enum Quantity {
 }
 
 /// What to take a file for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Wanted {
     #[default]
     Auto,

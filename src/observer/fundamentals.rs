@@ -9,13 +9,16 @@
 //! units. Sources: CIE 170-1:2006 after Stockman & Sharpe 2000 (Vision Research 40, 1711-1737);
 //! Stockman, MacLeod & Johnson 1993 (JOSA A 10, 2491-2521), which the paper of 2005 uses.
 
+use serde::{Deserialize, Serialize};
+
 use crate::spectrum::{CIE1964, CONE_PIECES, Curve};
 
 /// L, M, S: the order of every triple.
 pub const CONES: [&str; 3] = ["L", "M", "S"];
 
 /// A published set of fundamentals.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Set {
     /// CIE 170-1:2006, rebuilt from its parts.
     Cie2006,

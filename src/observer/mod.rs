@@ -7,6 +7,8 @@ pub mod lens;
 pub mod photometry;
 pub mod pupil;
 
+use serde::{Deserialize, Serialize};
+
 use crate::colour::Matrix;
 use crate::spectrum::Curve;
 use crate::units::{Degrees, Millimetres, Trolands};
@@ -17,7 +19,8 @@ pub use photometry::Photometry;
 pub use pupil::{Adapting, Dynamics, Pupil, Rule};
 
 /// What "narrowing the fundamentals by the bleaching percentage" means.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Narrowing {
     /// Divided by the unbleached peak: a bleached cone also catches less. This is what turns red to
     /// green.

@@ -181,8 +181,8 @@ pub fn constants(config: &Config) -> Value {
         "km": o.km,
         "optical_density": o.optical_density,
         "fundamentals": match o.fundamentals {
-            crate::config::settings::SetKey::Cie2006 => "CIE 170-1:2006, Stockman & Sharpe 2000",
-            crate::config::settings::SetKey::Smj1993 => "Stockman, MacLeod & Johnson 1993",
+            crate::observer::Set::Cie2006 => "CIE 170-1:2006, Stockman & Sharpe 2000",
+            crate::observer::Set::Smj1993 => "Stockman, MacLeod & Johnson 1993",
         },
         "lms_to_xyz": "CIE 170-2:2015, or the inverse of the 1993 set's matrix",
         "rgb_basis": "Mallett & Yuksel 2019 under CIE D65",
