@@ -4,7 +4,7 @@
 pub type Matrix = [[f64; 3]; 3];
 
 /// The identity.
-pub const IDENTITY: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+pub(crate) const IDENTITY: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// Red, green, blue and white chromaticities, CIE 1931 x, y.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,11 +25,11 @@ impl Primaries {
     };
 
     /// ITU-R BT.601 of 525 lines: SMPTE 170M.
-    pub const BT601_525: Primaries =
+    pub(crate) const BT601_525: Primaries =
         primaries([0.630, 0.340], [0.310, 0.595], [0.155, 0.070], Primaries::REC709.white);
 
     /// ITU-R BT.601 of 625 lines: EBU Tech 3213.
-    pub const BT601_625: Primaries =
+    pub(crate) const BT601_625: Primaries =
         primaries([0.64, 0.33], [0.29, 0.60], [0.15, 0.06], Primaries::REC709.white);
 
     /// ITU-R BT.2020 and BT.2100.
@@ -41,7 +41,7 @@ impl Primaries {
         primaries([0.680, 0.320], [0.265, 0.690], [0.150, 0.060], Primaries::REC709.white);
 
     /// The cinema's P3: SMPTE RP 431-2.
-    pub const P3_DCI: Primaries =
+    pub(crate) const P3_DCI: Primaries =
         primaries([0.680, 0.320], [0.265, 0.690], [0.150, 0.060], [0.314, 0.351]);
 
     /// ACES AP1: S-2014-004.
@@ -49,7 +49,7 @@ impl Primaries {
         primaries([0.713, 0.293], [0.165, 0.830], [0.128, 0.044], [0.32168, 0.33767]);
 
     /// ACES AP0: SMPTE ST 2065-1.
-    pub const ACES: Primaries =
+    pub(crate) const ACES: Primaries =
         primaries([0.7347, 0.2653], [0.0, 1.0], [0.0001, -0.0770], [0.32168, 0.33767]);
 
     /// CIE 1931 XYZ itself, as channels X, Y, Z hold it.
@@ -70,12 +70,12 @@ const fn primaries(red: [f64; 2], green: [f64; 2], blue: [f64; 2], white: [f64; 
 }
 
 /// Matrix times vector.
-pub fn apply(m: &Matrix, v: [f64; 3]) -> [f64; 3] {
+pub(crate) fn apply(m: &Matrix, v: [f64; 3]) -> [f64; 3] {
     m.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
 }
 
 /// Matrix product a b.
-pub fn product(a: &Matrix, b: &Matrix) -> Matrix {
+pub(crate) fn product(a: &Matrix, b: &Matrix) -> Matrix {
     a.map(|row| [0, 1, 2].map(|j| row[0] * b[0][j] + row[1] * b[1][j] + row[2] * b[2][j]))
 }
 

@@ -191,7 +191,7 @@ impl Kinetics {
 
     /// The least and the greatest of -[`Kinetics::slope`] over all p from 0 to 1, 1/s. The greatest
     /// times the step is the `h lambda` that a method's limits speak of.
-    pub fn contraction(&self, light: Trolands) -> [f64; 2] {
+    pub(crate) fn contraction(&self, light: Trolands) -> [f64; 2] {
         let ends = [-self.slope(0.0, light), -self.slope(1.0, light)];
         [ends[0].min(ends[1]), ends[0].max(ends[1])]
     }
@@ -213,7 +213,7 @@ impl Kinetics {
     }
 
     /// The steady light that leaves half of the pigment.
-    pub fn half_bleach_light(&self) -> Trolands {
+    pub(crate) fn half_bleach_light(&self) -> Trolands {
         let rates = self.rates(0.5, self.half_bleach);
         Trolands(self.half_bleach.0 * rates.regenerate / rates.bleach)
     }

@@ -120,7 +120,7 @@ impl Curve {
     /// # Errors
     /// A row is not two numbers, a wavelength does not rise, a value is negative, or nothing lies
     /// within the grid; the problem names its line.
-    pub fn of_rows(text: &str) -> Result<Curve, String> {
+    pub(crate) fn of_rows(text: &str) -> Result<Curve, String> {
         let mut rows: Vec<[f64; 2]> = Vec::new();
         let lines = text.trim_start_matches('\u{feff}').lines().map(str::trim).enumerate();
         let lines = lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
@@ -173,7 +173,7 @@ impl Curve {
 
     /// The wavelength of the largest value and the full width at half of it, nm, between samples by
     /// straight lines.
-    pub fn peak_and_width(&self) -> (f64, f64) {
+    pub(crate) fn peak_and_width(&self) -> (f64, f64) {
         let (top, peak) = self
             .0
             .iter()
@@ -242,7 +242,7 @@ impl Table {
     }
 
     /// Straight-line interpolation in a column; the end values go on outside.
-    pub fn interpolated(&self, name: &str, nm: f64) -> f64 {
+    pub(crate) fn interpolated(&self, name: &str, nm: f64) -> f64 {
         let (x, y) = (&self.wavelengths, self.column(name));
         let i = x.partition_point(|&w| w <= nm);
         match i {

@@ -43,4 +43,4 @@ unit!(
 );
 
 /// Lumens per watt: the constant between watts and lumens at the peak of V (CIE 018:2019).
-pub const LUMENS_PER_WATT: f64 = 683.002;
+pub(crate) const LUMENS_PER_WATT: f64 = 683.002;

@@ -110,7 +110,7 @@ pub fn observer(sets: &[String]) -> Result<Config> {
 }
 
 /// Write a table of `header` and `rows` as `<name>.csv`. No value of ours holds a comma.
-pub fn write_csv(
+pub(crate) fn write_csv(
     out_dir: &Path,
     name: &str,
     header: &str,

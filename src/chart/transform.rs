@@ -47,7 +47,7 @@ pub(super) struct Convolution {
 
 impl Convolution {
     /// `kernel`: its value at a distance in columns and rows.
-    pub fn new(size: [usize; 2], kernel: impl Fn(usize, usize) -> f64) -> Convolution {
+    pub(super) fn new(size: [usize; 2], kernel: impl Fn(usize, usize) -> f64) -> Convolution {
         let side = (2 * size[0].max(size[1]) - 1).next_power_of_two();
         let mut this = Convolution { size, side, roots: roots(side), kernel: Vec::new() };
         let distance = |i: usize, n: usize| Some(i.min(side - i)).filter(|d| *d < n);
@@ -71,7 +71,7 @@ impl Convolution {
     }
 
     /// The convolution of a picture.
-    pub fn of(&self, picture: &[f32]) -> Vec<f32> {
+    pub(super) fn of(&self, picture: &[f32]) -> Vec<f32> {
         let ([width, height], side) = (self.size, self.side);
         let mut field = vec![[0.0; 2]; side * side];
         for (row, from) in field.chunks_exact_mut(side).zip(picture.chunks_exact(width)) {

@@ -28,7 +28,7 @@ struct Lights {
 
 impl Config {
     /// Whether the scene is a uniform field.
-    pub fn has_field(&self) -> bool {
+    pub(crate) fn has_field(&self) -> bool {
         self.settings.input.scene == Some(Scene::Field)
     }
 

@@ -259,12 +259,12 @@ pub enum GazePath {
 
 impl Time {
     /// Whether frames end at the rows of the gaze path.
-    pub fn follows_the_gaze(&self) -> bool {
+    pub(crate) fn follows_the_gaze(&self) -> bool {
         matches!(self.times_s, Some(Times::Of(_)))
     }
 
     /// The listed times of frames.
-    pub fn listed(&self) -> Option<&[f64]> {
+    pub(crate) fn listed(&self) -> Option<&[f64]> {
         match &self.times_s {
             Some(Times::Listed(times)) => Some(times),
             _ => self.frames_s.as_deref(),

@@ -262,7 +262,7 @@ fn take(number: &mut usize, base: usize) -> usize {
 
 impl Case {
     /// The same error at the value that brought it about, if one of the varied keys did.
-    pub fn located(&self, error: Error) -> Error {
+    pub(crate) fn located(&self, error: Error) -> Error {
         let Error::Config { key, problem, .. } = &error else { return error };
         let lists = self.config.settings.sweep.as_ref().map_or(&[][..], |sweep| &sweep.vary);
         let Some(i) = lists.iter().position(|vary| vary.key.names().contains(key)) else {

@@ -149,7 +149,7 @@ pub(super) struct Surveyor {
 
 impl Surveyor {
     /// For frames of the size and planes of one.
-    pub fn new(vision: &Vision, planes: &Planes, pixels_per_degree: f64) -> Surveyor {
+    pub(super) fn new(vision: &Vision, planes: &Planes, pixels_per_degree: f64) -> Surveyor {
         Surveyor {
             cells: Cells::new(planes.width, planes.height, pixels_per_degree),
             weights: vision.luminance.iter().map(|&w| w as f32).collect(),
@@ -159,7 +159,7 @@ impl Surveyor {
     }
 
     /// What a row adds.
-    pub fn row(&self, row: Row<'_>) -> SurveyRow {
+    pub(super) fn row(&self, row: Row<'_>) -> SurveyRow {
         let (mut luminance, mut room) = (vec![0.0; self.width], [0.0; kernel::ROOM]);
         for (from, width) in kernel::tiles(kernel::tile(self.count), self.width) {
             let light = PlaneTile::of(row, self.count, from, width, &mut room);

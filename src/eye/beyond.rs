@@ -17,7 +17,7 @@ pub(super) enum Around<'a, T> {
 
 impl<T: Between> Around<'_, T> {
     /// The `k`th of the three at a place.
-    pub fn at(&self, place: [f64; 2], k: usize) -> T {
+    pub(super) fn at(&self, place: [f64; 2], k: usize) -> T {
         match self {
             Around::Alike(values) => values[k],
             Around::Grid(grid) => grid.at(place, k),
@@ -25,7 +25,7 @@ impl<T: Between> Around<'_, T> {
     }
 
     /// The `k`th of the three along a row from a place on.
-    pub fn fill(&self, [x, y]: [f64; 2], k: usize, out: &mut [T]) {
+    pub(super) fn fill(&self, [x, y]: [f64; 2], k: usize, out: &mut [T]) {
         match self {
             Around::Alike(values) => out.fill(values[k]),
             Around::Grid(grid) => grid.fill([x, y], k, out),
@@ -44,7 +44,7 @@ pub(super) struct Grid<T> {
 
 impl<T: Between> Grid<T> {
     /// The same in every cell.
-    pub fn alike(extent: Extent, values: [T; 3]) -> Self {
+    pub(super) fn alike(extent: Extent, values: [T; 3]) -> Self {
         let [width, height] = extent.size;
         let row = values.into_iter().flat_map(|value| std::iter::repeat_n(value, width));
         let row: Vec<T> = row.collect();
@@ -52,22 +52,22 @@ impl<T: Between> Grid<T> {
     }
 
     /// Where the cells lie.
-    pub fn extent(&self) -> Extent {
+    pub(super) fn extent(&self) -> Extent {
         self.extent
     }
 
     /// All values, row by row.
-    pub fn samples(&self) -> &[T] {
+    pub(super) fn samples(&self) -> &[T] {
         &self.samples
     }
 
     /// Rows of three runs, to be written over.
-    pub fn rows_mut(&mut self) -> std::slice::ChunksExactMut<'_, T> {
+    pub(super) fn rows_mut(&mut self) -> std::slice::ChunksExactMut<'_, T> {
         self.samples.chunks_exact_mut(3 * self.extent.size[0])
     }
 
     /// The `k`th of the three at a place, in pixels of the picture.
-    pub fn at(&self, [x, y]: [f64; 2], k: usize) -> T {
+    pub(super) fn at(&self, [x, y]: [f64; 2], k: usize) -> T {
         let ((column, u), (row, v)) = (self.cell(x, 0), self.cell(y, 1));
         self.corners([column, row], k).at(u, v)
     }
@@ -130,7 +130,7 @@ impl<T: Between> Corners<T> {
 
 impl Grid<f64> {
     /// Whether it is of these cells, and its fractions are within 0..1.
-    pub fn is_of(&self, extent: Extent) -> bool {
+    pub(super) fn is_of(&self, extent: Extent) -> bool {
         let count = 3 * extent.size[0] * extent.size[1];
         let mut fractions = self.samples.iter();
         self.extent == extent
@@ -140,7 +140,7 @@ impl Grid<f64> {
 
     /// Moves the pigment of every cell by the light, td, that it sees when the gaze has moved by
     /// `shift` pixels.
-    pub fn advance(&mut self, step: &PigmentStep, light: &Grid<f32>, shift: [f64; 2]) {
+    pub(super) fn advance(&mut self, step: &PigmentStep, light: &Grid<f32>, shift: [f64; 2]) {
         let Extent { size: [width, _], cell, before } = self.extent;
         let place =
             |i: usize, axis: usize| cell as f64 * (i as f64 - before[axis] as f64) + shift[axis];
@@ -159,7 +159,7 @@ impl Grid<f64> {
 
 impl Grid<f32> {
     /// The greatest of each of the three.
-    pub fn greatest(&self) -> [f32; 3] {
+    pub(super) fn greatest(&self) -> [f32; 3] {
         let mut greatest = [0.0f32; 3];
         for (i, run) in self.samples.chunks_exact(self.extent.size[0]).enumerate() {
             greatest[i % 3] = greatest[i % 3].max(kernel::greatest(run));

@@ -28,7 +28,7 @@ pub(super) struct LookContext<'a> {
 
 impl LookContext<'_> {
     /// The greatest cone illuminance around the picture, td.
-    pub fn greatest_around(&self) -> [f32; 3] {
+    pub(super) fn greatest_around(&self) -> [f32; 3] {
         match self.around {
             Around::Alike(td) => td,
             Around::Grid(td) => td.greatest(),

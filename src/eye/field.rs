@@ -18,7 +18,7 @@ pub(super) struct Field<'a, T> {
 impl<T: Between> Field<'_, T> {
     /// Reads a run of three planes, at most [`TILE`] long, that begins at `from` and goes on in
     /// steps of one sample. Whole steps are exact.
-    pub fn resample(&self, from: [f64; 2], out: [&mut [T]; 3]) {
+    pub(super) fn resample(&self, from: [f64; 2], out: [&mut [T]; 3]) {
         let at = from.map(|v| v.floor() as i64);
         let share = [0, 1].map(|i| from[i] - from[i].floor());
         for (k, out) in out.into_iter().enumerate() {

@@ -42,7 +42,7 @@ struct ByPlace {
 
 impl IlluminanceOperator {
     /// An operator that is still to be aimed.
-    pub fn new(vision: &Vision) -> Self {
+    pub(super) fn new(vision: &Vision) -> Self {
         let (held, first, planes) =
             (vision.holds_bands(), vision.first_illuminance(), vision.plane_count());
         let mm_per_degree = vision.observer.directional.mm_per_degree();
@@ -76,7 +76,7 @@ impl IlluminanceOperator {
     }
 
     /// Aims at a frame.
-    pub fn aim(
+    pub(super) fn aim(
         &mut self,
         vision: &Vision,
         planes: &Planes,
@@ -108,17 +108,17 @@ impl IlluminanceOperator {
     }
 
     /// The most places of a tile.
-    pub fn tile(&self) -> usize {
+    pub(super) fn tile(&self) -> usize {
         kernel::tile(self.converted + self.bands.as_ref().map_or(0, BandSums::rows))
     }
 
     /// The tiles of a row: where each begins and how wide it is.
-    pub fn tiles(&self, width: usize) -> impl Iterator<Item = (usize, usize)> + use<> {
+    pub(super) fn tiles(&self, width: usize) -> impl Iterator<Item = (usize, usize)> + use<> {
         kernel::tiles(self.tile(), width)
     }
 
     /// The light of one tile: RGB, or the moments.
-    pub fn light<'a>(
+    pub(super) fn light<'a>(
         &self,
         row: Row<'a>,
         from: usize,
@@ -135,7 +135,7 @@ impl IlluminanceOperator {
 
     /// Cone illuminance of one tile, td, whose first place is at `x`, `y` of the picture. Returns
     /// the greatest.
-    pub fn illuminance(
+    pub(super) fn illuminance(
         &self,
         light: PlaneTile<'_>,
         [x, y]: [usize; 2],

@@ -402,7 +402,7 @@ impl Eye {
     }
 
     /// Where the first look was aimed, in pixels.
-    pub fn first_gaze(&self) -> Option<[f64; 2]> {
+    pub(crate) fn first_gaze(&self) -> Option<[f64; 2]> {
         self.first_gaze
     }
 
@@ -421,7 +421,7 @@ impl Eye {
     }
 
     /// The name of the model that was used so far.
-    pub fn model_name(&self) -> &'static str {
+    pub(crate) fn model_name(&self) -> &'static str {
         self.plan.name(self.model)
     }
 }

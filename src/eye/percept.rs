@@ -18,12 +18,12 @@ pub(super) struct PerceptScratch<'a> {
 }
 
 impl PerceptStage {
-    pub fn new(vision: &Vision) -> Self {
+    pub(super) fn new(vision: &Vision) -> Self {
         PerceptStage { catch: vision.catch_form(), percept: vision.percept_form() }
     }
 
     /// The percept of a tile of light through unbleached fractions p: R, G, B.
-    pub fn see<'a>(
+    pub(super) fn see<'a>(
         &self,
         light: PlaneTile<'_>,
         p: [&[f64]; 3],

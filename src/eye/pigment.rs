@@ -64,7 +64,7 @@ impl PigmentStep {
     }
 
     /// Whether it leaves pigment as it is.
-    pub fn is_idle(&self) -> bool {
+    pub(crate) fn is_idle(&self) -> bool {
         matches!(self.model, Model::Unbleached)
     }
 
@@ -177,7 +177,7 @@ impl PigmentStep {
 
 /// The least budget of a law without a closed form that `MOST_SUBSTEPS` sub-steps are known to
 /// keep, whatever the light and the step.
-pub const LEAST_KEPT: f64 = 2.5e-5;
+pub(crate) const LEAST_KEPT: f64 = 2.5e-5;
 
 #[cfg(test)]
 mod tests {

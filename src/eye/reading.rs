@@ -44,7 +44,12 @@ impl Eye {
     }
 
     /// Cone illuminance of one pixel of a frame that was looked at, td.
-    pub fn illuminance_at(&self, planes: &Planes, look: &Look, [x, y]: [usize; 2]) -> [f64; 3] {
+    pub(crate) fn illuminance_at(
+        &self,
+        planes: &Planes,
+        look: &Look,
+        [x, y]: [usize; 2],
+    ) -> [f64; 3] {
         let per_degree = self.vision.observer.directional.mm_per_degree().unwrap_or(0.0);
         let scale = per_degree / self.pixels_per_degree;
         let r = Millimetres(scale * (x as f64 - look.gaze[0]).hypot(y as f64 - look.gaze[1]));

@@ -52,7 +52,7 @@ impl Retina {
 
     /// A retina of given fractions, shape (height, 3, width), in standard layout; values outside
     /// 0..1 are limited.
-    pub fn from_fractions(p: ArrayView3<f64>, beyond: [f64; 3]) -> Self {
+    pub(crate) fn from_fractions(p: ArrayView3<f64>, beyond: [f64; 3]) -> Self {
         let (height, _, width) = p.dim();
         let p = p.iter().map(|v| v.clamp(0.0, 1.0)).collect();
         Retina { p, size: [width, height], origin: [0, 0], beyond, around: None }
@@ -108,7 +108,7 @@ impl Retina {
     }
 
     /// Whether every pigment is unbleached.
-    pub fn is_rested(&self) -> bool {
+    pub(crate) fn is_rested(&self) -> bool {
         let cells = self.around.iter().flat_map(Grid::samples);
         self.p.iter().chain(&self.beyond).chain(cells).all(|&p| p == 1.0)
     }
@@ -132,7 +132,7 @@ impl Retina {
     }
 
     /// Rows for parallel work, each three runs.
-    pub fn par_rows_mut(&mut self) -> rayon::slice::ChunksExactMut<'_, f64> {
+    pub(crate) fn par_rows_mut(&mut self) -> rayon::slice::ChunksExactMut<'_, f64> {
         let per_row = 3 * self.size[0].max(1);
         self.p.par_chunks_exact_mut(per_row)
     }

@@ -35,7 +35,7 @@ struct VeiledAround {
 }
 
 impl OpticsStage {
-    pub fn new(optics: Optics, draw: Draw) -> OpticsStage {
+    pub(super) fn new(optics: Optics, draw: Draw) -> OpticsStage {
         let [retinal, planes] = [(); 2].map(|()| Planes::float(0, 0, 0));
         let td = Grid::alike(optics.extent_around(), [0.0; 3]);
         let around = Some(VeiledAround { canvas: None, planes, td });
@@ -43,7 +43,7 @@ impl OpticsStage {
     }
 
     /// The same in a world that is known.
-    pub fn within(self, surround: Surround) -> OpticsStage {
+    pub(super) fn within(self, surround: Surround) -> OpticsStage {
         let beyond = match surround {
             Surround::Edge => None,
             Surround::Uniform(nits) => Some(nits),
@@ -52,17 +52,17 @@ impl OpticsStage {
     }
 
     /// Where the cells beyond the picture lie.
-    pub fn extent(&self) -> Extent {
+    pub(super) fn extent(&self) -> Extent {
         self.optics.extent_around()
     }
 
     /// Spares the light beyond the picture, which a gaze that is held never meets.
-    pub fn hold_gaze(&mut self) {
+    pub(super) fn hold_gaze(&mut self) {
         self.around = None;
     }
 
     /// Makes the cone illuminance beyond the picture, by the weight of each plane.
-    pub fn illuminate_around(&mut self, weights: &[Vec<f64>; 3]) {
+    pub(super) fn illuminate_around(&mut self, weights: &[Vec<f64>; 3]) {
         let Some(VeiledAround { planes, td, .. }) = &mut self.around else { return };
         let Samples::Float(light) = &planes.samples else { return };
         let (width, count) = (planes.width, planes.count);
@@ -78,7 +78,7 @@ impl OpticsStage {
     }
 
     /// Cone illuminance beyond the picture, td, once a frame was done.
-    pub fn light_around(&self) -> Option<&Grid<f32>> {
+    pub(super) fn light_around(&self) -> Option<&Grid<f32>> {
         self.of.as_ref().and(self.around.as_ref()).map(|around| &around.td)
     }
 
@@ -102,12 +102,12 @@ impl OpticsStage {
     }
 
     /// The light on the retina.
-    pub fn retinal(&self) -> &Planes {
+    pub(super) fn retinal(&self) -> &Planes {
         &self.retinal
     }
 
     /// The light that is seen where it is not that on the retina.
-    pub fn shown<'a>(&self, planes: &'a Planes) -> Option<&'a Planes> {
+    pub(super) fn shown<'a>(&self, planes: &'a Planes) -> Option<&'a Planes> {
         (self.draw == Draw::Clear).then_some(planes)
     }
 
@@ -117,7 +117,7 @@ impl OpticsStage {
     }
 
     /// What it can cost, for the report.
-    pub fn report(&self) -> Value {
+    pub(super) fn report(&self) -> Value {
         let (gaussians, levels) = self.optics.extent();
         let light = self.optics.bound();
         json!({
@@ -195,7 +195,7 @@ impl Eye {
     }
 
     /// The light on the retina of a frame that was looked at.
-    pub fn on_the_retina<'a>(&'a self, planes: &'a Planes) -> &'a Planes {
+    pub(crate) fn on_the_retina<'a>(&'a self, planes: &'a Planes) -> &'a Planes {
         self.optics.as_ref().filter(|stage| stage.of.is_some()).map_or(planes, |s| &s.retinal)
     }
 
@@ -210,7 +210,7 @@ impl Eye {
     }
 
     /// The light that was seen, through what pigment was left, of a frame that was looked at.
-    pub fn seen_light<'a>(&'a self, planes: &'a Planes) -> &'a Planes {
+    pub(crate) fn seen_light<'a>(&'a self, planes: &'a Planes) -> &'a Planes {
         let clear = self.optics.as_ref().is_some_and(|stage| stage.draw == Draw::Clear);
         if clear { planes } else { self.on_the_retina(planes) }
     }

@@ -11,7 +11,7 @@ pub fn size([width, height]: [usize; 2], side: usize) -> [usize; 2] {
 }
 
 /// The pixels of a picture that lie under one of a smaller picture, with their shares of it.
-pub fn covered(
+pub(crate) fn covered(
     [x, y]: [usize; 2],
     from: [usize; 2],
     to: [usize; 2],

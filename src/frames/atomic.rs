@@ -14,7 +14,7 @@ pub trait Sink: Write + Seek {}
 impl<T: Write + Seek> Sink for T {}
 
 /// Writes a file through `fill`. Until it has returned, and when it fails, `path` stays as it was.
-pub fn write_whole(
+pub(crate) fn write_whole(
     path: &Path,
     fill: impl FnOnce(&mut dyn Sink) -> std::io::Result<()>,
 ) -> Result<()> {
@@ -22,7 +22,7 @@ pub fn write_whole(
 }
 
 /// Writes a file that is whole even after a power cut.
-pub fn write_lasting(
+pub(crate) fn write_lasting(
     path: &Path,
     fill: impl FnOnce(&mut dyn Sink) -> std::io::Result<()>,
 ) -> Result<()> {
@@ -34,7 +34,7 @@ pub fn write_lasting(
 }
 
 /// Sees to it that written files survive a power cut. Files that are gone are passed over.
-pub fn sync_all(paths: &[PathBuf]) -> Result<()> {
+pub(crate) fn sync_all(paths: &[PathBuf]) -> Result<()> {
     let sync = |path: &PathBuf| match File::options().write(true).open(path) {
         Err(gone) if gone.kind() == std::io::ErrorKind::NotFound => Ok(()),
         opened => opened.and_then(|file| file.sync_all()).map_err(Error::io(path, "write")),
@@ -47,7 +47,7 @@ pub fn sync_all(paths: &[PathBuf]) -> Result<()> {
 }
 
 /// The same for the names in a folder, as far as the system can.
-pub fn sync_folder(folder: &Path) {
+pub(crate) fn sync_folder(folder: &Path) {
     // Not every system opens folders, and then it needs no such care.
     let _ = File::open(folder).and_then(|folder| folder.sync_all());
 }

@@ -84,7 +84,7 @@ pub(super) struct Census {
 
 impl Census {
     /// Counts samples of one plane from column `x` of row `y` on, then mends them.
-    pub fn admit<T: Sample>(
+    pub(super) fn admit<T: Sample>(
         &mut self,
         samples: &mut [T],
         plane: usize,
@@ -99,7 +99,7 @@ impl Census {
     }
 
     /// Counts samples of one plane from column `x` of row `y` on.
-    pub fn count<T: Sample>(&mut self, samples: &[T], plane: usize, x: usize, y: usize) {
+    pub(super) fn count<T: Sample>(&mut self, samples: &[T], plane: usize, x: usize, y: usize) {
         let (mut wild, mut negative) = (false, 0u32);
         for sample in samples {
             wild |= sample.is_wild();
@@ -125,7 +125,7 @@ impl Census {
     }
 
     /// Keeps the largest finite value, for the policy that needs it.
-    pub fn measure<T: Sample>(&mut self, samples: &[T]) {
+    pub(super) fn measure<T: Sample>(&mut self, samples: &[T]) {
         for sample in samples {
             let value = sample.value();
             if value.is_finite() && value > self.largest {
@@ -136,7 +136,7 @@ impl Census {
 
     /// Both together; the first wild sample is the one that stands higher, then in the earlier
     /// plane.
-    pub fn plus(self, other: Census) -> Census {
+    pub(super) fn plus(self, other: Census) -> Census {
         let order = |wild: &Wild| (wild.y, wild.plane, wild.x);
         Census {
             tally: self.tally.plus(other.tally),
@@ -159,18 +159,18 @@ pub(super) struct Mending {
 
 impl Mending {
     /// The first reading under these options.
-    pub fn first(options: &ReadOptions) -> Mending {
+    pub(super) fn first(options: &ReadOptions) -> Mending {
         let measured = options.non_finite == NonFinite::Clamp;
         Mending { negative: options.negative, infinity: None, measured }
     }
 
     /// The second reading, after a census that found what the policy lets pass.
-    pub fn second(self, census: &Census) -> Mending {
+    pub(super) fn second(self, census: &Census) -> Mending {
         Mending { infinity: Some(census.largest), measured: false, ..self }
     }
 
     /// Mends samples that were counted.
-    pub fn mend<T: Sample>(self, samples: &mut [T]) {
+    pub(super) fn mend<T: Sample>(self, samples: &mut [T]) {
         if let Some(infinity) = self.infinity {
             for sample in samples.iter_mut().filter(|sample| sample.is_wild()) {
                 let up = sample.value() == f32::INFINITY;

@@ -47,13 +47,13 @@ pub(super) fn refuse_spectral(path: &Path, options: &ReadOptions) -> Result<()> 
 
 impl Meaning {
     /// Codes of sRGB, the right way up.
-    pub fn srgb() -> Meaning {
+    pub(super) fn srgb() -> Meaning {
         let (primaries, transfer) = (Primaries::REC709, Transfer::Srgb);
         Meaning { primaries, transfer, turn: Turn::default(), notes: Vec::new() }
     }
 
     /// The header of a picture that is stored in this width and height.
-    pub fn header(&self, (width, height): (usize, usize), options: &ReadOptions) -> Header {
+    pub(super) fn header(&self, (width, height): (usize, usize), options: &ReadOptions) -> Header {
         let (width, height) = self.turn.size(width, height);
         let mut notes = Vec::new();
         if self.transfer == Transfer::Pq {
@@ -73,7 +73,7 @@ impl Meaning {
     }
 
     /// The light of the codes.
-    pub fn light(&self, codes: &Codes, path: &Path, options: &ReadOptions) -> Result<Frame> {
+    pub(super) fn light(&self, codes: &Codes, path: &Path, options: &ReadOptions) -> Result<Frame> {
         let top = f64::from(codes.top);
         let curve: Vec<f32> =
             (0..=codes.top).map(|code| self.transfer.light(f64::from(code) / top) as f32).collect();
@@ -97,7 +97,7 @@ impl Meaning {
 
 impl Codes {
     /// Eight-bit codes.
-    pub fn of_bytes(size: (usize, usize), channels: usize, bytes: &[u8]) -> Codes {
+    pub(super) fn of_bytes(size: (usize, usize), channels: usize, bytes: &[u8]) -> Codes {
         let samples = bytes.iter().map(|byte| u16::from(*byte)).collect();
         Codes { width: size.0, height: size.1, channels, top: 255, samples }
     }

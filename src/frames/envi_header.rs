@@ -30,7 +30,7 @@ pub(super) enum Stored {
 }
 
 impl Stored {
-    pub fn bytes(self) -> usize {
+    pub(super) fn bytes(self) -> usize {
         match self {
             Stored::U8 => 1,
             Stored::I16 | Stored::U16 => 2,
@@ -67,18 +67,18 @@ pub(super) struct EnviHeader {
 
 impl EnviHeader {
     /// Factor and summand of a band of the file.
-    pub fn gain(&self, band: usize) -> (f64, f64) {
+    pub(super) fn gain(&self, band: usize) -> (f64, f64) {
         let of = |list: &[f64], usual: f64| list.get(band).copied().unwrap_or(usual);
         (of(&self.gains, 1.0), of(&self.offsets, 0.0))
     }
 
     /// Whether a band of the file is to be trusted.
-    pub fn is_good(&self, band: usize) -> bool {
+    pub(super) fn is_good(&self, band: usize) -> bool {
         self.good.get(band).copied().unwrap_or(true)
     }
 
     /// Whether a stored number means that nothing was measured.
-    pub fn ignores(&self, value: f64) -> bool {
+    pub(super) fn ignores(&self, value: f64) -> bool {
         self.ignore.is_some_and(|ignore| value == ignore || (value.is_nan() && ignore.is_nan()))
     }
 }

@@ -23,7 +23,12 @@ impl Part<'_> {
     /// Decodes the rows that the window shows. `planes` holds `row_length` items for each row of
     /// the window; `visit` gets decoded rows, the items of just these, and room to
     /// work in. Results come in order of rows.
-    pub fn decode<T, R, V>(&self, planes: &mut [T], row_length: usize, visit: V) -> Result<Vec<R>>
+    pub(super) fn decode<T, R, V>(
+        &self,
+        planes: &mut [T],
+        row_length: usize,
+        visit: V,
+    ) -> Result<Vec<R>>
     where
         T: Send,
         R: Send,
@@ -89,7 +94,7 @@ pub(super) struct Chunks<'a> {
 }
 
 impl<'a> Chunks<'a> {
-    pub fn open(part: &'a Part<'a>, units: Range<usize>) -> Result<Self> {
+    pub(super) fn open(part: &'a Part<'a>, units: Range<usize>) -> Result<Self> {
         let path = &part.file.path;
         let per_unit = part.chunks_per_unit();
         let before: usize =
@@ -109,7 +114,7 @@ impl<'a> Chunks<'a> {
     }
 
     /// The compressed blocks of one unit of rows.
-    pub fn unit(&mut self, unit: usize) -> Result<Vec<Vec<u8>>> {
+    pub(super) fn unit(&mut self, unit: usize) -> Result<Vec<Vec<u8>>> {
         (0..self.part.chunks_per_unit()).map(|i| self.chunk(unit, i)).collect()
     }
 

@@ -36,7 +36,7 @@ pub(super) struct ExrFile {
 
 impl ExrFile {
     /// Reads and checks the headers.
-    pub fn open(path: &Path) -> Result<ExrFile> {
+    pub(super) fn open(path: &Path) -> Result<ExrFile> {
         let file = File::open(path).map_err(Error::io(path, "read"))?;
         let bytes = file.metadata().map_err(Error::io(path, "read"))?.len();
         if bytes == 0 {
@@ -54,7 +54,7 @@ impl ExrFile {
 
     /// The picture of one part in its display window, once its declared size has been found
     /// believable.
-    pub fn part(&self, index: usize, max_pixels: u64) -> Result<Part<'_>> {
+    pub(super) fn part(&self, index: usize, max_pixels: u64) -> Result<Part<'_>> {
         let header = &self.meta.headers[index];
         let display = header.shared_attributes.display_window;
         let dwa = matches!(header.compression, Compression::DWAA(_) | Compression::DWAB(_));
@@ -118,22 +118,22 @@ pub(super) struct Part<'a> {
 }
 
 impl Part<'_> {
-    pub fn width(&self) -> usize {
+    pub(super) fn width(&self) -> usize {
         self.window.size.width()
     }
 
-    pub fn height(&self) -> usize {
+    pub(super) fn height(&self) -> usize {
         self.window.size.height()
     }
 
     /// Where the samples of a channel lie.
-    pub fn place(&self, channel: usize) -> Place {
+    pub(super) fn place(&self, channel: usize) -> Place {
         Place::of(&self.header.channels, channel)
     }
 
     /// The display window, and what is wanted beyond it. A data window that does not meet the
     /// display window is no overscan of it.
-    pub fn canvas(&self, overscan: Overscan) -> IntegerBounds {
+    pub(super) fn canvas(&self, overscan: Overscan) -> IntegerBounds {
         let (display, data) = (self.window, self.header.data_window());
         let (columns, rows) = self.seen();
         let [left, top, right, bottom] = match overscan {
@@ -155,18 +155,18 @@ impl Part<'_> {
     }
 
     /// Whether every pixel of the window has data.
-    pub fn covers_window(&self) -> bool {
+    pub(super) fn covers_window(&self) -> bool {
         let (columns, rows) = self.seen();
         columns.len() == self.width() && rows.len() == self.height()
     }
 
     /// Rows that are decompressed together: a block of scan lines, or a row of tiles.
-    pub fn lines_per_unit(&self) -> usize {
+    pub(super) fn lines_per_unit(&self) -> usize {
         self.header.max_block_pixel_size().height()
     }
 
     /// Blocks that hold them.
-    pub fn chunks_per_unit(&self) -> usize {
+    pub(super) fn chunks_per_unit(&self) -> usize {
         match self.header.blocks {
             BlockDescription::ScanLines => 1,
             BlockDescription::Tiles(tiles) => {
@@ -177,7 +177,7 @@ impl Part<'_> {
 
     /// The numbers that chunk `i` of a unit begins with in the file: part, then first line or tile
     /// and level.
-    pub fn marks(&self, unit: usize, i: usize) -> Vec<i32> {
+    pub(super) fn marks(&self, unit: usize, i: usize) -> Vec<i32> {
         let mut marks = Vec::with_capacity(5);
         if self.file.meta.requirements.is_multilayer() {
             marks.push(self.index as i32);
@@ -195,14 +195,14 @@ impl Part<'_> {
     }
 
     /// Where the data window stands in the window.
-    pub fn offset(&self) -> (i64, i64) {
+    pub(super) fn offset(&self) -> (i64, i64) {
         let (data, window) = (self.header.own_attributes.layer_position, self.window.position);
         let apart = |a: i32, b: i32| i64::from(a) - i64::from(b);
         (apart(data.x(), window.x()), apart(data.y(), window.y()))
     }
 
     /// Columns and rows of the data window that lie in the window.
-    pub fn seen(&self) -> (Range<usize>, Range<usize>) {
+    pub(super) fn seen(&self) -> (Range<usize>, Range<usize>) {
         let overlap = |offset: i64, data: usize, display: usize| {
             let end = (display as i64 - offset).clamp(0, data as i64) as usize;
             ((-offset).clamp(0, end as i64) as usize)..end

@@ -29,7 +29,7 @@ pub(super) struct ExrPicture {
 }
 
 impl ExrPicture {
-    pub fn open(path: &Path, options: &ReadOptions) -> Result<ExrPicture> {
+    pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<ExrPicture> {
         let file = ExrFile::open(path)?;
         let (part, prefix, choice) =
             chosen(&file, options).map_err(|problem| Error::file(path, problem))?;
@@ -66,23 +66,23 @@ impl ExrPicture {
     }
 
     /// Whether the configuration says what its primaries are.
-    pub fn primaries_are_given(&self) -> bool {
+    pub(super) fn primaries_are_given(&self) -> bool {
         self.options.primaries.is_some()
     }
 
     /// The part with the picture.
-    pub fn part(&self) -> Result<Part<'_>> {
+    pub(super) fn part(&self) -> Result<Part<'_>> {
         let part = self.file.part(self.part, self.options.max_pixels)?;
         Ok(Part { window: self.canvas, ..part })
     }
 
     /// Where the samples of each plane lie.
-    pub fn places(&self, part: &Part) -> Vec<Place> {
+    pub(super) fn places(&self, part: &Part) -> Vec<Place> {
         self.choice.channels.iter().map(|&channel| part.place(channel)).collect()
     }
 
     /// The name of the channel behind a plane.
-    pub fn channel(&self, plane: usize) -> String {
+    pub(super) fn channel(&self, plane: usize) -> String {
         let channel = self.choice.channels[plane];
         shown(&text(&self.file.meta.headers[self.part].channels.list[channel].name))
     }

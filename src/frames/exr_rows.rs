@@ -17,7 +17,7 @@ pub(super) struct Place {
 
 impl Place {
     /// The place of a channel.
-    pub fn of(channels: &ChannelList, channel: usize) -> Place {
+    pub(super) fn of(channels: &ChannelList, channel: usize) -> Place {
         let list = &channels.list;
         let before = list[..channel].iter().map(|c| c.sample_type.bytes_per_sample()).sum();
         Place { before, kind: list[channel].sample_type }
@@ -41,23 +41,23 @@ pub(super) struct Rows {
 
 impl Rows {
     /// Rows of the window, with each one's index among the items that `visit` was given.
-    pub fn rows(&self) -> impl Iterator<Item = (usize, usize)> + use<'_> {
+    pub(super) fn rows(&self) -> impl Iterator<Item = (usize, usize)> + use<'_> {
         self.seen.clone().enumerate().map(|(i, row)| (i, (row as i64 + self.offset.1) as usize))
     }
 
     /// Columns of the window that have data.
-    pub fn columns(&self) -> Range<usize> {
+    pub(super) fn columns(&self) -> Range<usize> {
         let to_window = |column: usize| (column as i64 + self.offset.0) as usize;
         to_window(self.columns.start)..to_window(self.columns.end)
     }
 
     /// Converts the seen samples of a channel in the `i`th of [`Rows::rows`].
-    pub fn fetch<T: Stored>(&self, i: usize, place: Place, out: &mut [T]) {
+    pub(super) fn fetch<T: Stored>(&self, i: usize, place: Place, out: &mut [T]) {
         self.pieces(i, place, |columns, bytes| T::load(bytes, place.kind, &mut out[columns]));
     }
 
     /// Copies them as bytes.
-    pub fn copy(&self, i: usize, place: Place, out: &mut [u8]) {
+    pub(super) fn copy(&self, i: usize, place: Place, out: &mut [u8]) {
         let size = place.kind.bytes_per_sample();
         self.pieces(i, place, |columns, bytes| {
             out[columns.start * size..columns.end * size].copy_from_slice(bytes);

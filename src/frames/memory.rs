@@ -26,7 +26,7 @@ const LITTLE: u64 = 1 << 27;
 ///
 /// # Errors
 /// What would not fit, how much it needs and how much is free.
-pub fn must_hold(what: &str, bytes: u64) -> Result<(), String> {
+pub(crate) fn must_hold(what: &str, bytes: u64) -> Result<(), String> {
     if bytes < LITTLE { Ok(()) } else { fits(what, bytes, free()) }
 }
 

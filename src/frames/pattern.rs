@@ -16,7 +16,7 @@ pub(super) struct Pattern {
 impl Pattern {
     /// The pattern in a file name; `None` for a plain name, a problem for more than one place. A
     /// lone `#` or `@` beside a place that is certain stands for itself, as in `sun@2x.####.exr`.
-    pub fn parse(path: &Path) -> Result<Option<Pattern>, String> {
+    pub(super) fn parse(path: &Path) -> Result<Option<Pattern>, String> {
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
         let name = name.unwrap_or_default();
         let mut places = places(&name);
@@ -38,7 +38,7 @@ impl Pattern {
 
     /// The files on disk, by number. Numbers padded to another width are taken where no file has
     /// the pattern's.
-    pub fn files(&self) -> Result<Vec<(u32, PathBuf)>> {
+    pub(super) fn files(&self) -> Result<Vec<(u32, PathBuf)>> {
         let folder = self.folder();
         let entries =
             std::fs::read_dir(folder).map_err(|_| Error::file(&self.path, absent(&self.path)))?;
@@ -70,7 +70,7 @@ impl Pattern {
     }
 
     /// A file with a negative number, which no frame has.
-    pub fn negative(&self) -> Option<String> {
+    pub(super) fn negative(&self) -> Option<String> {
         let entries = std::fs::read_dir(self.folder()).ok()?;
         let mut names = entries.flatten().filter_map(|entry| entry.file_name().into_string().ok());
         names.find(|name| {

@@ -59,7 +59,7 @@ pub(super) fn channels(picture: &ExrPicture) -> Vec<Carried> {
 
 impl Carried {
     /// Cuts this channel's samples off the front of a row.
-    pub fn take<'a>(&self, row: &mut &'a mut [u8], width: usize) -> &'a mut [u8] {
+    pub(super) fn take<'a>(&self, row: &mut &'a mut [u8], width: usize) -> &'a mut [u8] {
         let bytes = width * self.description.sample_type.bytes_per_sample();
         let (mine, rest) = std::mem::take(row).split_at_mut(bytes);
         *row = rest;
@@ -67,7 +67,7 @@ impl Carried {
     }
 
     /// Copies the samples of the source.
-    pub fn carry(&self, rows: &Rows, i: usize, out: &mut [u8], room: &mut Vec<f32>) {
+    pub(super) fn carry(&self, rows: &Rows, i: usize, out: &mut [u8], room: &mut Vec<f32>) {
         let Some(place) = self.source else { return };
         let kind = self.description.sample_type;
         if kind == place.kind {
@@ -90,12 +90,18 @@ pub(super) struct Colours<'a> {
 
 impl Colours<'_> {
     /// Whether nothing else is wanted for the pixels of `data`.
-    pub fn are_all_of(&self, channels: &[Carried], data: IntegerBounds) -> bool {
+    pub(super) fn are_all_of(&self, channels: &[Carried], data: IntegerBounds) -> bool {
         channels.iter().all(|channel| channel.plane.is_some()) && self.window.contains(data)
     }
 
     /// Puts the colours over a row of a channel that begins at the pixel `corner` of the file.
-    pub fn fill(&self, channel: &Carried, corner: (i32, i32), out: &mut [u8], room: &mut Vec<f32>) {
+    pub(super) fn fill(
+        &self,
+        channel: &Carried,
+        corner: (i32, i32),
+        out: &mut [u8],
+        room: &mut Vec<f32>,
+    ) {
         let Some(plane) = channel.plane else { return };
         let apart = |a: i32, b: i32| i64::from(a) - i64::from(b);
         let y = apart(corner.1, self.window.position.y());

@@ -68,7 +68,7 @@ impl Sequence {
 impl Sequence {
     /// The same, where one file may be a film of many frames, which are numbered from 1. The
     /// problem, if there is one, is a message about the range.
-    pub fn of_film(mut self, frames: usize) -> Result<Sequence, String> {
+    pub(crate) fn of_film(mut self, frames: usize) -> Result<Sequence, String> {
         if self.is_still && !self.range.is_empty() {
             self.numbers = range::parse(&self.range)?;
         } else if self.is_still {

@@ -8,7 +8,7 @@ use crate::frames::written::{About, Compression, write_exr};
 use crate::light::{Planes, Samples};
 
 /// Channels of a state file, in the order of L, M, S.
-pub const CHANNELS: [&str; 3] = ["unbleached.L", "unbleached.M", "unbleached.S"];
+pub(super) const CHANNELS: [&str; 3] = ["unbleached.L", "unbleached.M", "unbleached.S"];
 
 /// Writes three float planes of unbleached fractions. `note`: JSON for the attribute `sungaze`.
 pub fn write_state(path: &Path, planes: &Planes, note: &str) -> Result<()> {

@@ -32,7 +32,7 @@ pub enum Transfer {
 const REFERENCE_PEAK: f64 = 1000.0;
 
 impl Transfer {
-    pub const BT1886: Transfer = Transfer::Power(2.4);
+    pub(crate) const BT1886: Transfer = Transfer::Power(2.4);
 
     /// Luminance of (1, 1, 1), where the curve itself says: PQ is absolute, its light in cd/m2.
     pub fn white(self) -> Option<Nits> {

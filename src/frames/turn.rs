@@ -12,7 +12,7 @@ pub(super) struct Turn {
 
 impl Turn {
     /// The turn of an EXIF orientation; anything but 2 to 8 is none.
-    pub fn of_exif(orientation: u16) -> Turn {
+    pub(super) fn of_exif(orientation: u16) -> Turn {
         let (exchanged, x, y) = match orientation {
             2 => (false, true, false),
             3 => (false, true, true),
@@ -27,12 +27,12 @@ impl Turn {
     }
 
     /// Width and height of the turned picture.
-    pub fn size(self, width: usize, height: usize) -> (usize, usize) {
+    pub(super) fn size(self, width: usize, height: usize) -> (usize, usize) {
         if self.exchanged { (height, width) } else { (width, height) }
     }
 
     /// The column and row in the file, of a size, that column and row of the picture come from.
-    pub fn source(self, (x, y): (usize, usize), stored: (usize, usize)) -> (usize, usize) {
+    pub(super) fn source(self, (x, y): (usize, usize), stored: (usize, usize)) -> (usize, usize) {
         let (x, y) = if self.exchanged { (y, x) } else { (x, y) };
         let mirror =
             |at: usize, mirrored, length: usize| if mirrored { length - 1 - at } else { at };

@@ -9,7 +9,7 @@ use crate::spectrum::{Bands, Curve};
 use crate::vision::{Projection, Vision};
 
 /// Width of a field, degrees, where nothing says it. What surrounds it is usually the same light.
-pub const FIELD_DEG: f64 = 10.0;
+pub(crate) const FIELD_DEG: f64 = 10.0;
 
 /// Frames of one spectrum, each of its own strength.
 #[derive(Clone, Debug)]

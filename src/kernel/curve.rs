@@ -5,7 +5,7 @@ use pulp::{Simd, WithSimd};
 use super::vectorised;
 
 /// Steps of a curve from 0 to 1.
-pub const STEPS: usize = 1 << 14;
+pub(super) const STEPS: usize = 1 << 14;
 
 /// Signals beyond this are taken for it: 254 of limited range is 1.087.
 const HIGHEST: f32 = 1.125;
@@ -28,7 +28,7 @@ impl Curve {
     }
 
     /// Its values for a run of signals, in place. Says how many signals reached 1.
-    pub fn apply(&self, signals: &mut [f32]) -> u64 {
+    pub(crate) fn apply(&self, signals: &mut [f32]) -> u64 {
         vectorised(Run { table: &self.0, signals })
     }
 }

@@ -13,7 +13,7 @@ use std::f64::consts::LOG2_E;
 
 /// The largest z of [`mean_decay_short`]. At 24 frames a second and 2e4 td of half-bleach light:
 /// 3e5 td.
-pub const SHORT: f64 = 0.006;
+pub(super) const SHORT: f64 = 0.006;
 
 /// The z from which [`decay`] gives 0: e^-708 is the last that is sure not to be denormal.
 pub const LONGEST: f64 = 708.0;

@@ -35,7 +35,7 @@ pub use sums::{combine, floored, illuminance, weaken};
 pub const TILE: usize = 256;
 
 /// Samples of a [`TileScratch`]'s light.
-pub const ROOM: usize = 16 * TILE;
+pub(crate) const ROOM: usize = 16 * TILE;
 
 /// Where one tile is worked on. Made once for many rows: it is as large as many a row of a picture.
 #[repr(align(64))]
@@ -80,7 +80,7 @@ const LANES: usize = 32;
 
 /// Asks for the run of samples that lies `ahead` of this one.
 #[inline(always)]
-pub fn prefetch_run<T>(run: &[T], ahead: usize) {
+pub(crate) fn prefetch_run<T>(run: &[T], ahead: usize) {
     for at in (0..run.len()).step_by(64 / size_of::<T>()) {
         prefetch(run.as_ptr().wrapping_add(ahead + at));
     }

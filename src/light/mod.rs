@@ -94,7 +94,7 @@ impl Planes {
     }
 
     /// Column, row and plane of the first sample that is NaN or infinite.
-    pub fn first_not_finite(&self) -> Option<[usize; 3]> {
+    pub(crate) fn first_not_finite(&self) -> Option<[usize; 3]> {
         let at = match &self.samples {
             Samples::Half(samples) => samples.iter().position(|v| !v.is_finite()),
             Samples::Float(samples) => samples.iter().position(|v| !v.is_finite()),
@@ -159,7 +159,7 @@ impl Planes {
 
 impl Row<'_> {
     /// The row as single floats, converted into `scratch` where it is stored as half.
-    pub fn as_f32<'a>(&'a self, scratch: &'a mut [f32]) -> &'a [f32] {
+    pub(crate) fn as_f32<'a>(&'a self, scratch: &'a mut [f32]) -> &'a [f32] {
         match self {
             Row::Float(row) => row,
             Row::Half(row) => {

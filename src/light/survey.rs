@@ -158,7 +158,7 @@ impl Cells {
     }
 
     /// The survey of a frame from all its rows, in order from the top.
-    pub fn gather(&self, rows: impl IntoIterator<Item = SurveyRow>) -> Survey {
+    pub(crate) fn gather(&self, rows: impl IntoIterator<Item = SurveyRow>) -> Survey {
         let mut totals = vec![0.0; self.columns * self.rows];
         let (mut sum, mut least, mut greatest, mut brightest) = (0.0, f32::INFINITY, 0.0, (0, 0));
         let mut sums = Vec::with_capacity(self.height);

@@ -29,12 +29,12 @@ impl Window {
     }
 
     /// The place in pixels of the frame of one in pixels of the window.
-    pub fn in_frame(&self, place: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn in_frame(&self, place: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|i| self.corner[i] as f64 + place[i])
     }
 
     /// The place in pixels of the window of one in pixels of the frame.
-    pub fn in_window(&self, place: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn in_window(&self, place: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|i| place[i] - self.corner[i] as f64)
     }
 
@@ -45,7 +45,7 @@ impl Window {
     }
 
     /// The pixel of the window that holds fractions of it: floor(at * size).
-    pub fn holding(&self, at: [f64; 2]) -> [usize; 2] {
+    pub(crate) fn holding(&self, at: [f64; 2]) -> [usize; 2] {
         let pixel = |i: usize| ((at[i] * self.size[i] as f64) as usize).min(self.size[i] - 1);
         [0, 1].map(|i| self.corner[i] + pixel(i))
     }

@@ -88,7 +88,7 @@ impl Directional {
     }
 
     /// How much each level counts at each wavelength; they sum to 1.
-    pub fn shares(&self) -> &[Curve] {
+    pub(crate) fn shares(&self) -> &[Curve] {
         &self.shares
     }
 

@@ -60,7 +60,7 @@ impl Set {
 
     /// LMS -> XYZ (CIE 170-2:2015); for the 1993 set the inverse of its matrix, not exact in Z
     /// beyond 520 nm.
-    pub fn lms_to_xyz(self, field: Field) -> [[f64; 3]; 3] {
+    pub(crate) fn lms_to_xyz(self, field: Field) -> [[f64; 3]; 3] {
         match (self, field) {
             (Set::Cie2006, Field::TenDegrees) => [
                 [1.93986443, -1.34664359, 0.43044935],
@@ -130,7 +130,7 @@ impl Fundamentals {
     }
 
     /// s_k(.; p) / p, which has a limit in an eye without pigment: H of numerics 5.3.
-    pub fn per_pigment(&self, cone: usize, p: f64) -> Curve {
+    pub(crate) fn per_pigment(&self, cone: usize, p: f64) -> Curve {
         if p == 1.0 {
             return self.unbleached[cone].clone();
         }
@@ -149,7 +149,7 @@ impl Fundamentals {
 
     /// Largest value of s_k(.; p) / p, relative to that at p = 1: divides a catch in the `narrowed`
     /// reading.
-    pub fn peak_per_pigment(&self, cone: usize, p: f64) -> f64 {
+    pub(crate) fn peak_per_pigment(&self, cone: usize, p: f64) -> f64 {
         self.per_pigment(cone, p).peak() / self.unbleached[cone].peak()
     }
 }

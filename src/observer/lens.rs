@@ -15,10 +15,10 @@ use crate::spectrum::Curve;
 use super::fundamentals::lens_density;
 
 /// Age of the tabulated observer, years: the mean of Stiles & Burch's.
-pub const TABULATED_AGE: f64 = 32.0;
+pub(crate) const TABULATED_AGE: f64 = 32.0;
 
 /// Ages that the formula holds for, years.
-pub const AGES: (f64, f64) = (20.0, 80.0);
+pub(crate) const AGES: (f64, f64) = (20.0, 80.0);
 
 /// D_1 every 5 nm from 390 to 455 nm: the table of CIE 170-1:2006 as Asano's observer model
 /// (Asano, Fairchild & Blonde 2016) and pysilsub (Martin et al. 2023) hold it. From 460 nm on D_1
@@ -50,7 +50,7 @@ fn growth(age: f64) -> f64 {
 }
 
 /// Transmittance of the lens at an age over that of the tabulated observer's.
-pub fn relative_transmittance(age: f64) -> Curve {
+pub(crate) fn relative_transmittance(age: f64) -> Curve {
     let more = growth(age) - 1.0;
     Curve(ageing().0.iter().map(|density| 10f64.powf(-more * density)).collect())
 }

@@ -155,7 +155,7 @@ impl Observer {
     }
 
     /// eta of an equal-energy light in each class, at `r` from the pupil's centre.
-    pub fn equal_energy_weight(&self, pupil: Millimetres, r: Millimetres) -> [f64; 3] {
+    pub(crate) fn equal_energy_weight(&self, pupil: Millimetres, r: Millimetres) -> [f64; 3] {
         let eta = self.directional.exact(pupil, r);
         [0, 1, 2].map(|k| {
             let s = self.fundamentals.unbleached(k);

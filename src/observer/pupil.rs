@@ -12,9 +12,9 @@ use serde::{Deserialize, Serialize};
 use crate::units::{Millimetres, Nits, Seconds};
 
 /// Smallest diameter that a formula may give, mm.
-pub const SMALLEST: Millimetres = Millimetres(2.0);
+pub(crate) const SMALLEST: Millimetres = Millimetres(2.0);
 /// Largest diameter that a formula may give, mm.
-pub const LARGEST: Millimetres = Millimetres(8.0);
+pub(crate) const LARGEST: Millimetres = Millimetres(8.0);
 
 /// How the settled diameter follows from light.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -48,7 +48,7 @@ pub struct Adapting {
 }
 
 /// The adapting field of the unified formula, square degrees: 60 degrees across.
-pub const ADAPTING_FIELD_DEG2: f64 = 2827.0;
+pub(crate) const ADAPTING_FIELD_DEG2: f64 = 2827.0;
 
 impl Rule {
     /// The settled diameter.

@@ -43,7 +43,7 @@ pub(super) struct Gaussians {
 impl Gaussians {
     /// The Gaussians of a formula at least as wide as `core` degrees, for a picture of so many
     /// degrees a pixel and pixels along its diagonal.
-    pub fn new(formula: &Formula, core: f64, degrees: f64, diagonal: f64) -> Gaussians {
+    pub(super) fn new(formula: &Formula, core: f64, degrees: f64, diagonal: f64) -> Gaussians {
         let narrowest = core.max(0.5 * degrees).max(FINEST_DEG);
         let sigma = |j: usize| narrowest * (STEP * (j as f64 + 0.5)).exp();
         let count = (0..).take_while(|j| sigma(*j) < FAR * diagonal * degrees).count();
@@ -72,7 +72,7 @@ impl Gaussians {
     }
 
     /// All of it times a factor.
-    pub fn times(mut self, factor: f64) -> Gaussians {
+    pub(super) fn times(mut self, factor: f64) -> Gaussians {
         self.nodes.iter_mut().for_each(|node| node.weight *= factor);
         Gaussians {
             constant: factor * self.constant,
@@ -83,7 +83,7 @@ impl Gaussians {
     }
 
     /// The share of the light that goes over the hemisphere, at so many degrees a pixel.
-    pub fn over_the_hemisphere(&self, degrees: f64) -> f64 {
+    pub(super) fn over_the_hemisphere(&self, degrees: f64) -> f64 {
         const RINGS: usize = 4000;
         let (nearest, farthest) = (1e-4f64, 90.0f64);
         let step = (farthest / nearest).ln() / RINGS as f64;
@@ -96,7 +96,7 @@ impl Gaussians {
     }
 
     /// The sum of the Gaussians themselves at a distance in pixels, per pixel.
-    pub fn density(&self, r: f64) -> f64 {
+    pub(super) fn density(&self, r: f64) -> f64 {
         let height = |node: &Node| node.weight / (2.0 * PI * node.sigma * node.sigma);
         let bell = |node: &Node| height(node) * (-0.5 * (r / node.sigma).powi(2)).exp();
         self.nodes.iter().map(bell).sum::<f64>() + self.constant + self.quadratic * r * r
@@ -104,7 +104,7 @@ impl Gaussians {
 
     /// The share of the light that goes to a pixel so far away in x and y: the truth of the
     /// pyramid.
-    pub fn at(&self, x: f64, y: f64) -> f64 {
+    pub(super) fn at(&self, x: f64, y: f64) -> f64 {
         let r2 = x * x + y * y;
         let sum: f64 =
             self.nodes.iter().map(|n| n.weight * sampled(n.sigma, x) * sampled(n.sigma, y)).sum();

@@ -70,7 +70,7 @@ pub(super) struct Placed {
 
 impl Placed {
     /// A Gaussian of `sigma` pixels whose taps reach so many standard deviations and sum to 1.
-    pub fn new(sigma: f64, level: usize, reach: f64) -> Placed {
+    pub(super) fn new(sigma: f64, level: usize, reach: f64) -> Placed {
         let left = |base: f64| 1.0 - base.powi(-(level as i32));
         let scale = 2f64.powi(level as i32);
         let variance = (sigma / scale).powi(2) - 2.0 * VARIANCE / 3.0 * left(4.0);

@@ -141,7 +141,7 @@ impl Optics {
     ///
     /// # Errors
     /// Those of [`Optics::new`].
-    pub fn at_depth(
+    pub(crate) fn at_depth(
         scatter: &Scatter,
         size: [usize; 2],
         degrees: f64,
@@ -180,7 +180,7 @@ impl Optics {
 
     /// The same; `met` is shown each row of the light on the retina, all planes, as soon as it is
     /// done, on any thread.
-    pub fn exchange_met(
+    pub(crate) fn exchange_met(
         &mut self,
         s: &Planes,
         beyond: Option<&[f32]>,
@@ -200,14 +200,19 @@ impl Optics {
     /// The light on the retina beyond the picture that was exchanged last, on the canvas of
     /// [`Optics::extent_around`]. `beyond`: the light there, plane by plane; `around` keeps the
     /// canvas from call to call. `out` is written over.
-    pub fn veil_around(&self, beyond: &[f32], around: &mut Option<VeilAround>, out: &mut Planes) {
+    pub(crate) fn veil_around(
+        &self,
+        beyond: &[f32],
+        around: &mut Option<VeilAround>,
+        out: &mut Planes,
+    ) {
         let old = around.take().filter(|around| around.is_for(self.pyramid.count()));
         let around = around.insert(old.unwrap_or_else(|| VeilAround::new(self)));
         around.follow(&self.pyramid, beyond, out);
     }
 
     /// Where the cells of the canvas around a picture lie.
-    pub fn extent_around(&self) -> Extent {
+    pub(crate) fn extent_around(&self) -> Extent {
         Extent::around(self.size, self.pyramid.height())
     }
 
@@ -235,7 +240,7 @@ impl Optics {
     }
 
     /// Gaussians, and levels of the pyramid.
-    pub fn extent(&self) -> (usize, usize) {
+    pub(crate) fn extent(&self) -> (usize, usize) {
         (self.sum.nodes.len(), self.pyramid.height())
     }
 }

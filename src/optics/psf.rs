@@ -127,14 +127,14 @@ impl Term {
 
 impl Formula {
     /// The function at an angle, degrees: sr^-1.
-    pub fn at(&self, theta: f64) -> f64 {
+    pub(super) fn at(&self, theta: f64) -> f64 {
         self.terms.iter().map(|term| term.at(theta)).sum::<f64>()
             + self.constant
             + self.quadratic * theta * theta
     }
 
     /// Height of the mixture's Gaussians of this sigma, degrees, per unit of ln sigma: sr^-1.
-    pub fn mixture(&self, sigma: f64) -> f64 {
+    pub(super) fn mixture(&self, sigma: f64) -> f64 {
         self.terms.iter().map(|term| term.mixture(sigma)).sum()
     }
 }

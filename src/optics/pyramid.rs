@@ -54,7 +54,7 @@ impl<F: Fn(usize, &[f32], &mut [f32], &mut [f32]) + Sync> Finish for F {}
 
 impl Pyramid {
     /// The pyramid of a sum of Gaussians, for `count` planes.
-    pub fn new(
+    pub(super) fn new(
         sum: &Gaussians,
         depth: &Depth,
         [width, height]: [usize; 2],
@@ -76,17 +76,17 @@ impl Pyramid {
     }
 
     /// How many planes it is made for.
-    pub fn count(&self) -> usize {
+    pub(super) fn count(&self) -> usize {
         self.levels[0].shape.count
     }
 
     /// Levels, the picture's own included.
-    pub fn height(&self) -> usize {
+    pub(super) fn height(&self) -> usize {
         self.levels.len()
     }
 
     /// The veil of a picture that is the same everywhere, of one plane: K 1.
-    pub fn of_ones(&mut self) -> Vec<f32> {
+    pub(super) fn of_ones(&mut self) -> Vec<f32> {
         let Shape { width, height, .. } = self.levels[0].shape;
         let mut veil = vec![0.0; width * height];
         self.veil(&ones(width, height), &mut veil);
@@ -94,7 +94,7 @@ impl Pyramid {
     }
 
     /// The veil of a picture: K s.
-    pub fn veil(&mut self, s: &Planes, out: &mut [f32]) {
+    pub(super) fn veil(&mut self, s: &Planes, out: &mut [f32]) {
         let Shape { width, plane, .. } = self.levels[0].shape;
         self.climb(s);
         self.descend(out, |_, veil, _, out| {
@@ -105,13 +105,13 @@ impl Pyramid {
     }
 
     /// The light of a level after the climb. That of a large picture itself is not kept.
-    pub fn light(&self, level: usize) -> (&Shape, &[f32]) {
+    pub(super) fn light(&self, level: usize) -> (&Shape, &[f32]) {
         (&self.levels[level].shape, &self.levels[level].light)
     }
 
     /// The light on the retina: `kept` and `beyond` as [`Exchange`] has them, `beyond` for each
     /// plane. `met` is shown each row, all planes, while it is near.
-    pub fn exchange(
+    pub(super) fn exchange(
         &mut self,
         s: &Planes,
         kept: &[f32],
@@ -133,7 +133,7 @@ impl Pyramid {
     }
 
     /// Up: the picture's light on every level.
-    pub fn climb(&mut self, s: &Planes) {
+    pub(super) fn climb(&mut self, s: &Planes) {
         let Level { shape, light, .. } = &mut self.levels[0];
         let Shape { width, height, count, plane, stride } = *shape;
         debug_assert_eq!([s.width, s.height, s.count], [width, height, count]);

@@ -24,22 +24,22 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    pub fn new(width: usize, height: usize, count: usize) -> Shape {
+    pub(super) fn new(width: usize, height: usize, count: usize) -> Shape {
         let plane = (width + 2 * MARGIN).next_multiple_of(BLOCK);
         Shape { width, height, count, plane, stride: count * plane + LINE }
     }
 
     /// The next coarser level.
-    pub fn halved(&self) -> Shape {
+    pub(super) fn halved(&self) -> Shape {
         Shape::new(self.width.div_ceil(2), self.height.div_ceil(2), self.count)
     }
 
     /// Rows with the margins.
-    pub fn rows(&self) -> usize {
+    pub(super) fn rows(&self) -> usize {
         self.height + 2 * MARGIN
     }
 
-    pub fn samples(&self) -> usize {
+    pub(super) fn samples(&self) -> usize {
         self.rows() * self.stride
     }
 }

@@ -21,14 +21,14 @@ pub(super) struct Whole {
 }
 
 impl Whole {
-    pub fn new(sum: &Gaussians, level: usize) -> Whole {
+    pub(super) fn new(sum: &Gaussians, level: usize) -> Whole {
         let scale = 2f64.powi(level as i32);
         let gained = 4.0 * VARIANCE * (scale * scale - 1.0) / 3.0;
         Whole { constant: sum.constant - sum.quadratic * gained, quadratic: sum.quadratic, scale }
     }
 
     /// The polynomials of all planes.
-    pub fn over(&self, light: &[f32], shape: &Shape) -> Polynomials {
+    pub(super) fn over(&self, light: &[f32], shape: &Shape) -> Polynomials {
         let mut sums = vec![[0.0f64; 4]; shape.count];
         for (row, light) in light.chunks_exact(shape.stride).enumerate() {
             for (sums, light) in sums.iter_mut().zip(light.chunks_exact(shape.plane)) {
@@ -58,7 +58,7 @@ pub(super) struct Polynomials {
 
 impl Polynomials {
     /// Adds it to rows of the level; the first is `row`, counted from the margin.
-    pub fn add(&self, row: usize, shape: &Shape, out: &mut [f32]) {
+    pub(super) fn add(&self, row: usize, shape: &Shape, out: &mut [f32]) {
         let Whole { constant, quadratic, .. } = self.whole;
         for (i, out) in out.chunks_exact_mut(shape.stride).enumerate() {
             for (&[s0, sx, sy, s2], out) in self.sums.iter().zip(out.chunks_exact_mut(shape.plane))

@@ -6,7 +6,7 @@ use super::sheet::{Anchor, Ink, Marker, Point, Sheet};
 
 /// One axis. Logarithmic axes are marked at whole powers of ten, `every` so many.
 #[derive(Clone, Copy, Debug)]
-pub struct Axis<'a> {
+pub(crate) struct Axis<'a> {
     pub from: f64,
     pub to: f64,
     pub logarithmic: bool,
@@ -17,7 +17,7 @@ pub struct Axis<'a> {
 
 impl<'a> Axis<'a> {
     /// Even steps, labelled at round values, `most` of them or fewer.
-    pub fn linear(from: f64, to: f64, most: f64, label: &'a str) -> Self {
+    pub(crate) fn linear(from: f64, to: f64, most: f64, label: &'a str) -> Self {
         let to = if to > from { to } else { from + 1.0 };
         let decade = 10f64.powf(((to - from) / most).log10().floor());
         let steps = [1.0, 2.0, 5.0, 10.0].map(|n| n * decade);
@@ -26,7 +26,7 @@ impl<'a> Axis<'a> {
     }
 
     /// Powers of ten, labelled at whole ones, `most` of them or fewer.
-    pub fn logarithmic(from: f64, to: f64, most: f64, label: &'a str) -> Self {
+    pub(crate) fn logarithmic(from: f64, to: f64, most: f64, label: &'a str) -> Self {
         let every = ((to / from).log10() / most).ceil().max(1.0);
         Axis { from, to, logarithmic: true, every, label }
     }
@@ -43,14 +43,14 @@ impl<'a> Axis<'a> {
     }
 
     /// The value at a fraction of the way from `from` to `to`.
-    pub fn value(&self, fraction: f64) -> f64 {
+    pub(crate) fn value(&self, fraction: f64) -> f64 {
         let [from, to] = [self.from, self.to].map(|v| self.place(v));
         let place = from + fraction * (to - from);
         if self.logarithmic { 10f64.powf(place) } else { place }
     }
 
     /// Whether a value lies on the axis, but for rounding.
-    pub fn holds(&self, value: f64) -> bool {
+    pub(crate) fn holds(&self, value: f64) -> bool {
         let [from, to, at] = [self.from, self.to, value].map(|v| self.place(v));
         let slack = 1e-6 * (to - from);
         (from - slack..=to + slack).contains(&at)
@@ -72,7 +72,7 @@ impl<'a> Axis<'a> {
 }
 
 /// A number in two digits, four below 10⁴ and above a thousandth.
-pub fn written(value: f64) -> String {
+pub(crate) fn written(value: f64) -> String {
     let size = value.abs().max(f64::MIN_POSITIVE).log10().floor();
     match value.abs() {
         0.0 => "0".into(),
@@ -94,7 +94,7 @@ fn raised(text: &str) -> String {
 }
 
 /// 10 to a whole power, in type: 10⁻³; 1 and 10 as they are.
-pub fn power(exponent: f64) -> String {
+pub(crate) fn power(exponent: f64) -> String {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
     match exponent as i64 {
         0 => "1".to_owned(),
@@ -109,7 +109,7 @@ pub fn power(exponent: f64) -> String {
 
 /// A rectangle of the sheet with axes.
 #[derive(Clone, Copy, Debug)]
-pub struct Panel<'a> {
+pub(crate) struct Panel<'a> {
     pub left: f64,
     pub top: f64,
     pub width: f64,
@@ -126,26 +126,26 @@ const LABEL_TYPE: u32 = 16;
 
 impl Panel<'_> {
     /// Where a pair of values lies on the sheet.
-    pub fn at(&self, x: f64, y: f64) -> Point {
+    pub(crate) fn at(&self, x: f64, y: f64) -> Point {
         let down = 1.0 - self.y.fraction(y);
         (self.left + self.width * self.x.fraction(x), self.top + self.height * down)
     }
 
-    pub fn right(&self) -> f64 {
+    pub(crate) fn right(&self) -> f64 {
         self.left + self.width
     }
 
-    pub fn bottom(&self) -> f64 {
+    pub(crate) fn bottom(&self) -> f64 {
         self.top + self.height
     }
 
     /// Draws grid, frame, ticks and labels.
-    pub fn frame(&self, sheet: &mut Sheet) {
+    pub(crate) fn frame(&self, sheet: &mut Sheet) {
         self.framed(sheet, [true, true]);
     }
 
     /// Draws grid and frame, with ticks and labels of x and of y where asked for.
-    pub fn framed(&self, sheet: &mut Sheet, labelled: [bool; 2]) {
+    pub(crate) fn framed(&self, sheet: &mut Sheet, labelled: [bool; 2]) {
         self.ticks_of_x(sheet, labelled[0]);
         self.ticks_of_y(sheet, labelled[1]);
         let (right, bottom) = (self.right(), self.bottom());
@@ -189,7 +189,7 @@ impl Panel<'_> {
 
     /// Draws a curve through pairs of values, in pieces where it leaves the panel or has no value;
     /// a piece of one pair is a dot.
-    pub fn curve(
+    pub(crate) fn curve(
         &self,
         sheet: &mut Sheet,
         values: &[(f64, f64)],
@@ -210,7 +210,7 @@ impl Panel<'_> {
 
     /// Names curves beside the panel's right edge, each at the height of a value where there is
     /// room, apart where there is not.
-    pub fn name_ends(&self, sheet: &mut Sheet, names: &[(f64, &str, Ink)], size: u32) {
+    pub(crate) fn name_ends(&self, sheet: &mut Sheet, names: &[(f64, &str, Ink)], size: u32) {
         let wanted: Vec<f64> = names.iter().map(|(y, ..)| self.at(self.x.to, *y).1).collect();
         let room = [self.top, self.bottom()];
         let placed = apart(&wanted, 1.05 * f64::from(size), room);

@@ -17,7 +17,7 @@ use super::axes::Axis;
 /// One frame of one class of cones: light of `light` td held over `from..=to` s, with `p` of the
 /// pigment unbleached at `from`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Held {
+pub(crate) struct Held {
     pub from: f64,
     pub to: f64,
     pub p: f64,
@@ -29,7 +29,7 @@ const SUBSTEPS: u32 = 8;
 
 impl Held {
     /// Unbleached fractions at times of the frame, ascending, s.
-    pub fn fractions(&self, kinetics: &Kinetics, times: &[f64]) -> Vec<f64> {
+    pub(crate) fn fractions(&self, kinetics: &Kinetics, times: &[f64]) -> Vec<f64> {
         let (mut p, mut now) = (self.p, self.from);
         let follow = |&time: &f64| {
             let dt = Seconds((time - now).max(0.0));
@@ -41,7 +41,7 @@ impl Held {
     }
 
     /// The unbleached fraction at the end.
-    pub fn end(&self, kinetics: &Kinetics) -> f64 {
+    pub(crate) fn end(&self, kinetics: &Kinetics) -> f64 {
         let dt = Seconds(self.to - self.from);
         step::advance(kinetics, self.p, Trolands(self.light), dt, 8 * SUBSTEPS)
     }
@@ -49,7 +49,7 @@ impl Held {
 
 /// Moments of a frame after its start, so close that chords between them look like the curve: even
 /// on the axis, `samples` to its whole length, and the frame's end.
-pub fn moments(axis: &Axis, from: f64, to: f64, samples: usize) -> Vec<f64> {
+pub(crate) fn moments(axis: &Axis, from: f64, to: f64, samples: usize) -> Vec<f64> {
     let on_axis = (0..=samples).map(|i| axis.value(i as f64 / samples as f64));
     on_axis.filter(|&time| time > from && time < to).chain([to]).collect()
 }

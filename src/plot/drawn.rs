@@ -9,7 +9,7 @@ use crate::frames::atomic;
 
 impl Sheet {
     /// The drawing as SVG.
-    pub fn svg(&self) -> String {
+    pub(crate) fn svg(&self) -> String {
         svg::document(self)
     }
 
@@ -17,7 +17,7 @@ impl Sheet {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn write(&self, out_dir: &Path, name: &str) -> Result<()> {
+    pub(crate) fn write(&self, out_dir: &Path, name: &str) -> Result<()> {
         atomic::write_text(&out_dir.join(format!("{name}.svg")), &self.svg())?;
         Canvas::of(self, 2.0).write(&out_dir.join(format!("{name}.png")))
     }

@@ -17,12 +17,12 @@ const SIZE: [f64; 2] = [224.0, 190.0];
 /// From the upper row of panels to the lower.
 const LOWER: f64 = 240.0;
 /// More curves than these cannot be named one by one.
-pub const MOST_NAMED: usize = 12;
+pub(crate) const MOST_NAMED: usize = 12;
 /// Dashes by which curves of one colour differ.
-pub const DASHES: [&str; 4] = ["", "9 4", "2 3", "9 3 2 3"];
+pub(crate) const DASHES: [&str; 4] = ["", "9 4", "2 3", "9 3 2 3"];
 
 /// A case of the family: its name, where it stands among the others, and the rows of one probe.
-pub struct Member {
+pub(crate) struct Member {
     pub name: String,
     pub ink: Ink,
     /// Which of [`DASHES`].
@@ -34,7 +34,7 @@ pub struct Member {
 }
 
 /// What colours and dashes stand for.
-pub struct Scale {
+pub(crate) struct Scale {
     /// What varies.
     pub name: String,
     /// Values at places from 0 to 1.
@@ -44,7 +44,7 @@ pub struct Scale {
 }
 
 /// One probe in all cases.
-pub struct Family {
+pub(crate) struct Family {
     pub name: String,
     pub members: Vec<Member>,
 }
@@ -63,7 +63,7 @@ const QUANTITIES: [(&str, Quantity); 6] = [
 ];
 
 /// The figure of families of curves, one block of panels each.
-pub fn drawn(families: &[Family], scale: &Scale) -> Sheet {
+pub(crate) fn drawn(families: &[Family], scale: &Scale) -> Sheet {
     let mut sheet = Sheet::new(WIDTH, PITCH * families.len().max(1) as f64 + 8.0);
     let x = time_axis(families.iter().flat_map(|family| &family.members));
     for (i, family) in families.iter().enumerate() {

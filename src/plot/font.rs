@@ -26,7 +26,7 @@ fn glyph(face: &Face, c: char) -> GlyphId {
 }
 
 /// Width of words set in `size` units to the em.
-pub fn width(words: &str, size: f64, bold: bool) -> f64 {
+pub(crate) fn width(words: &str, size: f64, bold: bool) -> f64 {
     let Some(face) = of(bold) else { return 0.0 };
     let advances =
         words.chars().map(|c| f64::from(face.glyph_hor_advance(glyph(face, c)).unwrap_or(0)));
@@ -34,7 +34,7 @@ pub fn width(words: &str, size: f64, bold: bool) -> f64 {
 }
 
 /// Words as they are where they have room, else cut and with an ellipsis.
-pub fn fitted(words: &str, size: f64, room: f64) -> String {
+pub(crate) fn fitted(words: &str, size: f64, room: f64) -> String {
     if width(words, size, false) <= room {
         return words.to_owned();
     }
@@ -45,7 +45,7 @@ pub fn fitted(words: &str, size: f64, room: f64) -> String {
 }
 
 /// Outlines of words whose baseline begins at (0, 0), `size` units to the em, y downward.
-pub fn outlines(words: &str, size: f64, bold: bool) -> Vec<Command> {
+pub(crate) fn outlines(words: &str, size: f64, bold: bool) -> Vec<Command> {
     let mut pen = Pen { path: Vec::new(), x: 0.0, scale: 0.0 };
     let Some(face) = of(bold) else { return pen.path };
     pen.scale = size as f32 / f32::from(face.units_per_em());

@@ -20,33 +20,33 @@ const LABEL: usize = 380;
 const TYPE: u32 = 34;
 const LINE: usize = 50;
 /// More pictures than this side by side could not be told apart on a page.
-pub const MOST_ACROSS: usize = 12;
+pub(crate) const MOST_ACROSS: usize = 12;
 /// Rows of pictures on a page.
-pub const MOST_ROWS: usize = 40;
+pub(crate) const MOST_ROWS: usize = 40;
 
 /// A picture: width and height, and its rows from the top, 8-bit sRGB.
 #[derive(Clone, Copy)]
-pub struct Picture<'a> {
+pub(crate) struct Picture<'a> {
     pub size: [usize; 2],
     pub rgb: &'a [u8],
 }
 
 /// A row of pictures: words to its left, the pictures, and words below each.
-pub struct Row<'a> {
+pub(crate) struct Row<'a> {
     pub label: String,
     pub pictures: Vec<Picture<'a>>,
     pub captions: Vec<String>,
 }
 
 /// Rows under common headings, one for each column.
-pub struct Block<'a> {
+pub(crate) struct Block<'a> {
     pub title: String,
     pub headings: Vec<String>,
     pub rows: Vec<Row<'a>>,
 }
 
 /// The square that pictures must fit into for so many columns and rows in all, pixels.
-pub fn side(columns: usize, rows: usize, is_labelled: bool) -> usize {
+pub(crate) fn side(columns: usize, rows: usize, is_labelled: bool) -> usize {
     let label = if is_labelled { LABEL } else { 0 };
     let across = (WIDTH - label - (columns + 1) * GAP) / columns;
     let high = HEIGHT / rows.clamp(1, MOST_ROWS);
@@ -55,7 +55,7 @@ pub fn side(columns: usize, rows: usize, is_labelled: bool) -> usize {
 
 /// Blocks on pages of at most [`MOST_ROWS`] rows; a block that does not fit goes on under its
 /// headings.
-pub fn pages(blocks: Vec<Block<'_>>) -> Vec<Vec<Block<'_>>> {
+pub(crate) fn pages(blocks: Vec<Block<'_>>) -> Vec<Vec<Block<'_>>> {
     let mut pages: Vec<Vec<Block<'_>>> = vec![Vec::new()];
     let mut room = MOST_ROWS;
     for Block { title, headings, mut rows } in blocks {
@@ -135,7 +135,7 @@ struct Page<'a> {
 }
 
 /// A page, its pictures in squares of `side`.
-pub fn drawn(page: &[Block], side: usize) -> Canvas {
+pub(crate) fn drawn(page: &[Block], side: usize) -> Canvas {
     let layout = Layout::new(page, side);
     let mut placed = Page { pictures: Vec::new(), words: Vec::new(), y: GAP };
     page.iter().for_each(|block| placed.block(block, &layout));

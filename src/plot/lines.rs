@@ -7,7 +7,7 @@ const THIN: f64 = 0.05;
 
 /// The points without which a line would be another: those left out lie within [`THIN`] of it
 /// (Ramer 1972; Douglas & Peucker 1973).
-pub fn thinned(points: &[Point]) -> Vec<Point> {
+pub(super) fn thinned(points: &[Point]) -> Vec<Point> {
     let [first, .., last] = points else { return points.to_vec() };
     let (along, down) = (last.0 - first.0, last.1 - first.1);
     let length = along.hypot(down);
@@ -30,7 +30,7 @@ pub fn thinned(points: &[Point]) -> Vec<Point> {
 
 /// Heights as near to the wanted ones as they can be `pitch` apart, in the same order, inside
 /// `room` while all of them fit there.
-pub fn apart(wanted: &[f64], pitch: f64, room: [f64; 2]) -> Vec<f64> {
+pub(super) fn apart(wanted: &[f64], pitch: f64, room: [f64; 2]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..wanted.len()).collect();
     order.sort_by(|&a, &b| wanted[a].total_cmp(&wanted[b]));
     // Groups of neighbours that touch: how many, and the sum of where each would have the first.

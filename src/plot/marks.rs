@@ -6,7 +6,7 @@ use super::sheet::{Anchor, Point, Sheet};
 
 /// Where was looked, and when.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Marks {
+pub(crate) struct Marks {
     /// In pixels, centres at integers.
     pub gaze: [f64; 2],
     /// Of the frame's end, s.
@@ -18,7 +18,7 @@ const ARMS: [Point; 4] = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)];
 
 impl Marks {
     /// Draws the marks, white with a black edge, on a picture of 8-bit sRGB.
-    pub fn draw(&self, width: usize, height: usize, rgb: Vec<u8>) -> Vec<u8> {
+    pub(crate) fn draw(&self, width: usize, height: usize, rgb: Vec<u8>) -> Vec<u8> {
         let mut canvas = Canvas::over(width, height, rgb);
         let mut sheet = Sheet::new(width as f64, height as f64);
         self.cross(&mut sheet);

@@ -3,19 +3,19 @@
 //! An SVG is a list of the same items that the PNG is made of, set in the same typeface, so the two look alike. A
 //! figure is for a page 16 cm wide: on a sheet 1000 units across, type of 16 units is then 7 points high.
 
-pub mod axes;
-pub mod course;
+pub(crate) mod axes;
+pub(crate) mod course;
 mod drawn;
-pub mod family;
-pub mod font;
-pub mod gallery;
+pub(crate) mod family;
+pub(crate) mod font;
+pub(crate) mod gallery;
 mod lines;
-pub mod marks;
-pub mod moment;
-pub mod palette;
-pub mod raster;
-pub mod sheet;
+pub(crate) mod marks;
+pub(crate) mod moment;
+pub(crate) mod palette;
+pub(crate) mod raster;
+pub(crate) mod sheet;
 mod svg;
 
-pub use axes::{Axis, Panel};
-pub use sheet::{Anchor, Ink, Marker, Sheet};
+pub(crate) use axes::{Axis, Panel};
+pub(crate) use sheet::{Anchor, Ink, Marker, Sheet};

@@ -19,7 +19,7 @@ use super::sheet::{Anchor, Sheet};
 
 /// What a place shows at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moment {
+pub(crate) struct Moment {
     /// s
     pub time: f64,
     /// Cone illuminance until then, td.
@@ -32,7 +32,7 @@ pub struct Moment {
 
 /// What cones make of light.
 #[derive(Clone, Copy, Debug)]
-pub struct Cones {
+pub(crate) struct Cones {
     pub kinetics: [Kinetics; 3],
     /// Catches of L, M and S to XYZ.
     pub lms_to_xyz: Matrix,
@@ -44,11 +44,11 @@ const SAMPLES: usize = 220;
 const DARKEST: f64 = 1e-8;
 
 impl Moment {
-    pub fn bleached(&self, k: usize) -> f64 {
+    pub(crate) fn bleached(&self, k: usize) -> f64 {
         1.0 - self.p[k]
     }
 
-    pub fn chromaticity(&self, i: usize) -> f64 {
+    pub(crate) fn chromaticity(&self, i: usize) -> f64 {
         chromaticity(self.xyz)[i]
     }
 
@@ -59,7 +59,7 @@ impl Moment {
 
 /// The rows of a table, and between them what pigment and percept did. A row at 0 s tells the start;
 /// without one it is all pigment, if the law then leads to the first row.
-pub fn course(rows: &[Moment], cones: &Cones, axis: &Axis) -> Vec<Moment> {
+pub(crate) fn course(rows: &[Moment], cones: &Cones, axis: &Axis) -> Vec<Moment> {
     let Some(&end) = rows.first() else { return Vec::new() };
     let rested = Moment { time: 0.0, p: [1.0; 3], ..end };
     let starts = end.time > 0.0 && follows(&rested, &end, cones);
@@ -163,7 +163,7 @@ fn density([from, to]: [f64; 2], ratio: f64) -> f64 {
 }
 
 /// Powers of ten where luminance spans more than a factor of 20, else even steps from 0.
-pub fn luminance_axis(values: impl Iterator<Item = f64>) -> Axis<'static> {
+pub(crate) fn luminance_axis(values: impl Iterator<Item = f64>) -> Axis<'static> {
     let seen: Vec<f64> = values.filter(|y| y.is_finite() && *y > 0.0).collect();
     let most = seen.iter().copied().fold(0.0, f64::max);
     let least = seen.iter().copied().fold(most, f64::min).max(DARKEST * most);
@@ -176,7 +176,7 @@ pub fn luminance_axis(values: impl Iterator<Item = f64>) -> Axis<'static> {
 }
 
 /// Says above a panel why its lines break, if they do. Black alone has no chromaticity.
-pub fn note_breaks(sheet: &mut Sheet, panel: &Panel, values: impl Iterator<Item = f64>) {
+pub(crate) fn note_breaks(sheet: &mut Sheet, panel: &Panel, values: impl Iterator<Item = f64>) {
     let (black, outside): (Vec<f64>, Vec<f64>) =
         values.filter(|v| !panel.y.holds(*v)).partition(|v| v.is_nan() || *v == 0.0);
     let words = match (black.is_empty(), outside.is_empty()) {

@@ -2,22 +2,22 @@
 
 use super::sheet::Ink;
 
-pub const BLACK: Ink = Ink(0x00, 0x00, 0x00);
-pub const ORANGE: Ink = Ink(0xe6, 0x9f, 0x00);
-pub const SKY: Ink = Ink(0x56, 0xb4, 0xe9);
-pub const GREEN: Ink = Ink(0x00, 0x9e, 0x73);
-pub const BLUE: Ink = Ink(0x00, 0x72, 0xb2);
-pub const VERMILION: Ink = Ink(0xd5, 0x5e, 0x00);
-pub const PURPLE: Ink = Ink(0xcc, 0x79, 0xa7);
-pub const GREY: Ink = Ink(0x8a, 0x8a, 0x8a);
-pub const FAINT: Ink = Ink(0xdd, 0xdd, 0xdd);
-pub const PALE_GREEN: Ink = Ink(0xe9, 0xf5, 0xf0);
-pub const PALE_GREY: Ink = Ink(0xf2, 0xf2, 0xf2);
-pub const PALE_RED: Ink = Ink(0xfb, 0xec, 0xe2);
-pub const WHITE: Ink = Ink(0xff, 0xff, 0xff);
+pub(crate) const BLACK: Ink = Ink(0x00, 0x00, 0x00);
+pub(crate) const ORANGE: Ink = Ink(0xe6, 0x9f, 0x00);
+pub(crate) const SKY: Ink = Ink(0x56, 0xb4, 0xe9);
+pub(crate) const GREEN: Ink = Ink(0x00, 0x9e, 0x73);
+pub(crate) const BLUE: Ink = Ink(0x00, 0x72, 0xb2);
+pub(crate) const VERMILION: Ink = Ink(0xd5, 0x5e, 0x00);
+pub(crate) const PURPLE: Ink = Ink(0xcc, 0x79, 0xa7);
+pub(crate) const GREY: Ink = Ink(0x8a, 0x8a, 0x8a);
+pub(crate) const FAINT: Ink = Ink(0xdd, 0xdd, 0xdd);
+pub(crate) const PALE_GREEN: Ink = Ink(0xe9, 0xf5, 0xf0);
+pub(crate) const PALE_GREY: Ink = Ink(0xf2, 0xf2, 0xf2);
+pub(crate) const PALE_RED: Ink = Ink(0xfb, 0xec, 0xe2);
+pub(crate) const WHITE: Ink = Ink(0xff, 0xff, 0xff);
 
 /// Colours of things without an order, as many as stay apart.
-pub const APART: [Ink; 7] = [BLACK, VERMILION, BLUE, GREEN, ORANGE, PURPLE, SKY];
+pub(crate) const APART: [Ink; 7] = [BLACK, VERMILION, BLUE, GREEN, ORANGE, PURPLE, SKY];
 
 /// Viridis (Smith & van der Walt 2015), tenths of it from dark on, without the two that are too pale
 /// for lines on white.
@@ -34,7 +34,7 @@ const ORDERED: [Ink; 8] = [
 
 /// The colour of a place from 0 to 1: ever brighter, also in grey and for every kind of colour
 /// vision.
-pub fn ordered(place: f64) -> Ink {
+pub(crate) fn ordered(place: f64) -> Ink {
     let along = place.clamp(0.0, 1.0) * (ORDERED.len() - 1) as f64;
     let from = (along as usize).min(ORDERED.len() - 2);
     let [a, b] = [ORDERED[from], ORDERED[from + 1]];

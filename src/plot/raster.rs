@@ -11,7 +11,7 @@ use super::font;
 use super::sheet::{Anchor, Ink, Item, Point, Sheet, Stroke, Words};
 
 /// A picture in the making: 8-bit sRGB, rows from the top.
-pub struct Canvas {
+pub(crate) struct Canvas {
     pub width: usize,
     pub height: usize,
     pub rgb: Vec<u8>,
@@ -21,17 +21,17 @@ pub struct Canvas {
 
 impl Canvas {
     /// White, so many pixels wide and high.
-    pub fn white(width: usize, height: usize, scale: f64) -> Self {
+    pub(crate) fn white(width: usize, height: usize, scale: f64) -> Self {
         Canvas { width, height, rgb: vec![255; 3 * width * height], scale: scale as f32 }
     }
 
     /// A picture of 8-bit sRGB, a unit to the pixel.
-    pub fn over(width: usize, height: usize, rgb: Vec<u8>) -> Self {
+    pub(crate) fn over(width: usize, height: usize, rgb: Vec<u8>) -> Self {
         Canvas { width, height, rgb, scale: 1.0 }
     }
 
     /// A sheet, so many pixels to the unit.
-    pub fn of(sheet: &Sheet, scale: f64) -> Self {
+    pub(crate) fn of(sheet: &Sheet, scale: f64) -> Self {
         let [width, height] =
             [sheet.width, sheet.height].map(|units| (units * scale).ceil() as usize);
         let mut canvas = Canvas::white(width, height, scale);
@@ -40,7 +40,7 @@ impl Canvas {
     }
 
     /// Lays a sheet's items on what is there, the sheet's corner in the canvas's.
-    pub fn draw(&mut self, sheet: &Sheet) {
+    pub(crate) fn draw(&mut self, sheet: &Sheet) {
         for item in &sheet.items {
             match item {
                 Item::Words(words) => self.words(words),
@@ -57,7 +57,7 @@ impl Canvas {
     }
 
     /// Puts a picture of 8-bit sRGB down with its top left corner at a pixel; what has no room is left out.
-    pub fn paste(&mut self, [x, y]: [usize; 2], width: usize, rgb: &[u8]) {
+    pub(crate) fn paste(&mut self, [x, y]: [usize; 2], width: usize, rgb: &[u8]) {
         let fits = 3 * width.min(self.width.saturating_sub(x));
         for (row, from) in
             rgb.chunks_exact(3 * width.max(1)).enumerate().take(self.height.saturating_sub(y))
@@ -71,7 +71,7 @@ impl Canvas {
     ///
     /// # Errors
     /// A file that cannot be written.
-    pub fn write(&self, path: &Path) -> Result<()> {
+    pub(crate) fn write(&self, path: &Path) -> Result<()> {
         frames::write_png(path, self.width, self.height, &self.rgb)
     }
 

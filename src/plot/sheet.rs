@@ -2,11 +2,11 @@
 
 /// A colour, sRGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ink(pub u8, pub u8, pub u8);
+pub(crate) struct Ink(pub u8, pub u8, pub u8);
 
 /// The shape of a mark.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Marker {
+pub(crate) enum Marker {
     Disc,
     Ring,
     Square,
@@ -18,18 +18,18 @@ pub enum Marker {
 
 /// Where words stand relative to their point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Anchor {
+pub(crate) enum Anchor {
     Start,
     Middle,
     End,
 }
 
 /// A place on the sheet, units from the top left.
-pub type Point = (f64, f64);
+pub(crate) type Point = (f64, f64);
 
 /// A line's colour, width and dashes (lengths on and off in turn, as in SVG; empty for none).
 #[derive(Clone, Debug, PartialEq)]
-pub struct Stroke {
+pub(crate) struct Stroke {
     pub ink: Ink,
     pub width: f64,
     pub dashes: Vec<f64>,
@@ -37,7 +37,7 @@ pub struct Stroke {
 
 /// Words on a sheet; `at` is on their baseline.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Words {
+pub(crate) struct Words {
     pub at: Point,
     pub words: String,
     /// Height of the type, units to the em.
@@ -51,36 +51,36 @@ pub struct Words {
 
 /// One thing that is drawn.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Item {
+pub(crate) enum Item {
     Words(Words),
     Path { points: Vec<Point>, closed: bool, fill: Option<Ink>, stroke: Option<Stroke> },
     Circle { at: Point, r: f64, fill: Option<Ink>, stroke: Option<Stroke> },
 }
 
 /// A drawing in the making, on white.
-pub struct Sheet {
+pub(crate) struct Sheet {
     pub width: f64,
     pub height: f64,
     pub items: Vec<Item>,
 }
 
 impl Sheet {
-    pub fn new(width: f64, height: f64) -> Self {
+    pub(crate) fn new(width: f64, height: f64) -> Self {
         Sheet { width, height, items: Vec::new() }
     }
 
     /// Words of `size` units to the em.
-    pub fn text(&mut self, at: Point, words: &str, size: u32, anchor: Anchor, ink: Ink) {
+    pub(crate) fn text(&mut self, at: Point, words: &str, size: u32, anchor: Anchor, ink: Ink) {
         self.set(at, words, size, (anchor, false, false), ink);
     }
 
     /// Words that stand out.
-    pub fn bold(&mut self, at: Point, words: &str, size: u32, anchor: Anchor, ink: Ink) {
+    pub(crate) fn bold(&mut self, at: Point, words: &str, size: u32, anchor: Anchor, ink: Ink) {
         self.set(at, words, size, (anchor, true, false), ink);
     }
 
     /// Words that read upward, centred on their point.
-    pub fn upward(&mut self, at: Point, words: &str, size: u32, ink: Ink) {
+    pub(crate) fn upward(&mut self, at: Point, words: &str, size: u32, ink: Ink) {
         self.set(at, words, size, (Anchor::Middle, false, true), ink);
     }
 
@@ -90,12 +90,12 @@ impl Sheet {
     }
 
     /// A straight line; `dashes` as in SVG, empty for none.
-    pub fn line(&mut self, from: Point, to: Point, ink: Ink, width: f64, dashes: &str) {
+    pub(crate) fn line(&mut self, from: Point, to: Point, ink: Ink, width: f64, dashes: &str) {
         self.polyline(&[from, to], ink, width, dashes);
     }
 
     /// A line through many points.
-    pub fn polyline(&mut self, points: &[Point], ink: Ink, width: f64, dashes: &str) {
+    pub(crate) fn polyline(&mut self, points: &[Point], ink: Ink, width: f64, dashes: &str) {
         let dashes = dashes.split([' ', ',']).filter_map(|length| length.parse().ok()).collect();
         let stroke = Some(Stroke { ink, width, dashes });
         self.items.push(Item::Path { points: points.to_vec(), closed: false, fill: None, stroke });
@@ -108,14 +108,14 @@ impl Sheet {
     }
 
     /// A filled rectangle from its top left corner.
-    pub fn block(&mut self, at: Point, width: f64, height: f64, ink: Ink) {
+    pub(crate) fn block(&mut self, at: Point, width: f64, height: f64, ink: Ink) {
         let (right, bottom) = (at.0 + width, at.1 + height);
         let points = vec![at, (right, at.1), (right, bottom), (at.0, bottom)];
         self.items.push(Item::Path { points, closed: true, fill: Some(ink), stroke: None });
     }
 
     /// A mark of radius `r`.
-    pub fn mark(&mut self, at: Point, marker: Marker, r: f64, ink: Ink) {
+    pub(crate) fn mark(&mut self, at: Point, marker: Marker, r: f64, ink: Ink) {
         let corners = |count: usize, radius: &dyn Fn(usize) -> f64, turn: f64| -> Vec<Point> {
             let angle = |i: usize| turn + std::f64::consts::TAU * i as f64 / count as f64;
             (0..count)

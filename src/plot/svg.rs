@@ -8,7 +8,7 @@ use super::sheet::{Anchor, Ink, Item, Point, Sheet, Stroke, Words};
 const FAMILY: &str = "DejaVu Sans, Verdana, sans-serif";
 
 /// The whole document: as large as the sheet in units, scalable by its view box.
-pub fn document(sheet: &Sheet) -> String {
+pub(super) fn document(sheet: &Sheet) -> String {
     let (width, height) = (sheet.width, sheet.height);
     let mut text = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \

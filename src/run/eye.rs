@@ -49,7 +49,7 @@ pub(crate) struct Watching {
 }
 
 impl Watching {
-    pub fn new(config: &Config, scene: &Scene, resolved: Value) -> Result<Watching> {
+    pub(crate) fn new(config: &Config, scene: &Scene, resolved: Value) -> Result<Watching> {
         let shown = config.settings.output.display == DisplayFile::Png;
         let (mut eye, gaze) = (scene.eye(config)?, Gaze::of(config)?);
         if gaze.is_held() {
@@ -75,7 +75,7 @@ impl Watching {
     }
 
     /// Takes note of a frame that was read for the first time.
-    pub fn note(&mut self, number: u32, loaded: &Loaded) {
+    pub(crate) fn note(&mut self, number: u32, loaded: &Loaded) {
         self.counters.count(number, loaded.frame.tally);
         self.inputs.extend(loaded.input.clone());
         self.timing.decode_s += loaded.took_s;
@@ -85,7 +85,7 @@ impl Watching {
     ///
     /// # Errors
     /// The checkpoint is of another eye or display.
-    pub fn restore(&mut self, checkpoint: Checkpoint) -> Result<()> {
+    pub(crate) fn restore(&mut self, checkpoint: Checkpoint) -> Result<()> {
         let damaged = |problem: String| Error::file(checkpoint::NAME, problem);
         let Checkpoint { done, inputs, counters, timing, map, eye, .. } = checkpoint;
         self.eye.restore(eye).map_err(|e| damaged(e.to_string()))?;
@@ -99,7 +99,7 @@ impl Watching {
     }
 
     /// Everything that the next frame depends on.
-    pub fn checkpoint(&self, steps: &[Step]) -> Checkpoint {
+    pub(crate) fn checkpoint(&self, steps: &[Step]) -> Checkpoint {
         Checkpoint {
             version: env!("CARGO_PKG_VERSION").into(),
             config: super::digest(self.config.to_string().as_bytes()),
@@ -115,14 +115,14 @@ impl Watching {
     }
 
     /// The time spent until now.
-    pub fn spent(&self) -> Timing {
+    pub(crate) fn spent(&self) -> Timing {
         let wall_s = self.timing.wall_s + self.begun.elapsed().as_secs_f64();
         Timing { wall_s, ..self.timing }
     }
 
     /// The places of the sampled check: `None`: to be chosen on the first frame; none where a model
     /// was asked for that is not meant to be true.
-    pub fn places_to_check(&self) -> Option<Vec<[usize; 2]>> {
+    pub(crate) fn places_to_check(&self) -> Option<Vec<[usize; 2]>> {
         match (self.eye.check(), self.eye.model()) {
             (Some(check), _) => Some(check.places.clone()),
             (None, Model::Tracked { .. }) => None,
@@ -132,7 +132,7 @@ impl Watching {
 
     /// Looks at a frame over a span of time, and reads the probes. `aim`: the moment for which the
     /// gaze is asked.
-    pub fn look(
+    pub(crate) fn look(
         &mut self,
         loaded: &Loaded,
         aim: Moment,
@@ -163,7 +163,7 @@ impl Watching {
 
     /// Looks at one frame and hands over what is to be written of it. `recycled`: a percept to be
     /// written over.
-    pub fn see(
+    pub(crate) fn see(
         &mut self,
         loaded: &Loaded,
         step: &Step,
@@ -208,7 +208,7 @@ impl Watching {
     }
 
     /// A look of no length, at what is seen before more has bleached; it leaves no trace.
-    pub fn glance(&mut self, loaded: &Loaded, aim: Moment) -> Result<(Look, Vec<Reading>)> {
+    pub(crate) fn glance(&mut self, loaded: &Loaded, aim: Moment) -> Result<(Look, Vec<Reading>)> {
         let state = self.eye.state();
         let seen = self.look(loaded, aim, Seconds(0.0), None);
         self.eye.restore(state)?;
@@ -216,7 +216,7 @@ impl Watching {
     }
 
     /// What is seen before the first frame has bleached anything.
-    pub fn at_the_start(&mut self, loaded: &Loaded, step: &Step) -> Result<Finished> {
+    pub(crate) fn at_the_start(&mut self, loaded: &Loaded, step: &Step) -> Result<Finished> {
         let begun = Instant::now();
         let aim = Moment { time: step.start, frame: step.number };
         let (look, _) = self.glance(loaded, aim)?;
@@ -254,12 +254,12 @@ impl Watching {
     }
 
     /// What to say if the sampled check of a planned run has found more than the budget.
-    pub fn beyond(&self, budget: f64) -> Option<String> {
+    pub(crate) fn beyond(&self, budget: f64) -> Option<String> {
         self.eye.check().filter(|_| self.eye.plan().is_free())?.beyond(budget)
     }
 
     /// Takes note of what a look met.
-    pub fn meet(&mut self, look: &Look, step: &Step) {
+    pub(crate) fn meet(&mut self, look: &Look, step: &Step) {
         let [width, height] = self.eye.retina().size();
         self.counters.meet(step.end, &look.stats, width * height);
         if self.counters.method_past_limit.is_none() {

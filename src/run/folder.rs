@@ -22,7 +22,7 @@ pub enum Existing {
 
 /// A lock on a folder, given up when dropped or when the process is killed. It is the folder itself
 /// that is locked: no file is made, and no link followed.
-pub struct Claim {
+pub(crate) struct Claim {
     folder: File,
 }
 
@@ -32,7 +32,7 @@ impl Claim {
     ///
     /// # Errors
     /// The folder cannot be made, or another process holds it.
-    pub fn new(folder: &Path, shared: bool) -> Result<Claim> {
+    pub(crate) fn new(folder: &Path, shared: bool) -> Result<Claim> {
         let refused =
             |problem: &str| Err(Error::config("--out", folder.display().to_string(), problem));
         if folder.exists() && !folder.is_dir() {
@@ -47,7 +47,7 @@ impl Claim {
     }
 
     /// Whether the claim could be had. A file system without locks leaves everybody to themselves.
-    pub fn try_hold(&self, shared: bool) -> bool {
+    pub(crate) fn try_hold(&self, shared: bool) -> bool {
         let tried = if shared { self.folder.try_lock_shared() } else { self.folder.try_lock() };
         !matches!(tried, Err(TryLockError::WouldBlock))
     }

@@ -62,12 +62,12 @@ impl Input {
 }
 
 /// Bytes as hexadecimal digits.
-pub fn hexadecimal(bytes: &[u8]) -> String {
+pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// Names the times, numbers and files of steps.
-pub fn digest_of_steps(steps: &[Step]) -> String {
+pub(crate) fn digest_of_steps(steps: &[Step]) -> String {
     let mut digest = Sha256::new();
     for step in steps {
         digest.update(step.number.to_le_bytes());
@@ -79,7 +79,7 @@ pub fn digest_of_steps(steps: &[Step]) -> String {
 }
 
 /// The tables and state files that a configuration names.
-pub fn tables(config: &Config) -> Vec<PathBuf> {
+pub(crate) fn tables(config: &Config) -> Vec<PathBuf> {
     let settings = &config.settings;
     let start =
         Some(&settings.observer.start).filter(|s| !["rested", "adapted"].contains(&s.as_str()));
@@ -95,7 +95,7 @@ pub fn tables(config: &Config) -> Vec<PathBuf> {
 ///
 /// # Errors
 /// One of them cannot be read.
-pub fn of_tables(config: &Config) -> Result<Vec<Input>> {
+pub(crate) fn of_tables(config: &Config) -> Result<Vec<Input>> {
     tables(config).iter().map(|path| Input::of(path, None)).collect()
 }
 
@@ -103,7 +103,7 @@ pub fn of_tables(config: &Config) -> Result<Vec<Input>> {
 ///
 /// # Errors
 /// A frame is gone, new among those done, or changed; so is a table. The message names it.
-pub fn unchanged(
+pub(crate) fn unchanged(
     read: &[Input],
     tables: &[PathBuf],
     steps: &[Step],
@@ -136,7 +136,7 @@ pub fn unchanged(
 }
 
 /// The first of the steps already done whose file the run has not read: it is new among them.
-pub fn newcomer(read: &[Input], done: &[Step], held: &[u32]) -> Option<u32> {
+pub(crate) fn newcomer(read: &[Input], done: &[Step], held: &[u32]) -> Option<u32> {
     let known: HashSet<u32> = read.iter().filter_map(|input| input.frame).collect();
     let is_new = |number: &u32| !known.contains(number) && held.binary_search(number).is_err();
     done.iter().map(|step| step.number).find(is_new)

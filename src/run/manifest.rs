@@ -11,12 +11,12 @@ use crate::error::{Error, Result};
 use crate::frames::atomic;
 
 /// Name of the file.
-pub const NAME: &str = ".sungaze";
+pub(crate) const NAME: &str = ".sungaze";
 
 /// What a folder holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Kind {
+pub(crate) enum Kind {
     Run,
     Sweep,
     /// One case of a sweep.
@@ -25,7 +25,7 @@ pub enum Kind {
 
 /// What a folder holds, from which settings, under which names.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Manifest {
+pub(crate) struct Manifest {
     pub kind: Kind,
     /// Of the program.
     pub version: String,
@@ -39,7 +39,7 @@ pub struct Manifest {
 
 impl Manifest {
     /// A manifest of these files, written by this version of the program.
-    pub fn new(kind: Kind, config: Value, files: &[&str], numbers: &[u32]) -> Manifest {
+    pub(crate) fn new(kind: Kind, config: Value, files: &[&str], numbers: &[u32]) -> Manifest {
         let files = files.iter().map(|name| (*name).to_owned()).collect();
         let version = env!("CARGO_PKG_VERSION").to_owned();
         Manifest { kind, version, config, files, frames: runs(numbers) }
@@ -49,7 +49,7 @@ impl Manifest {
     ///
     /// # Errors
     /// A manifest that cannot be read or understood.
-    pub fn read(folder: &Path) -> Result<Option<Manifest>> {
+    pub(crate) fn read(folder: &Path) -> Result<Option<Manifest>> {
         let path = folder.join(NAME);
         match std::fs::symlink_metadata(&path) {
             Ok(there) if there.is_file() => {}
@@ -65,20 +65,20 @@ impl Manifest {
     }
 
     /// Writes the manifest; it survives a power cut.
-    pub fn write(&self, folder: &Path) -> Result<()> {
+    pub(crate) fn write(&self, folder: &Path) -> Result<()> {
         let path = folder.join(NAME);
         let text = serde_json::to_string(self).map_err(|e| Error::file(&path, e.to_string()))?;
         atomic::write_lasting(&path, |sink| writeln!(sink, "{text}"))
     }
 
     /// Whether a name is one of those that it names, or of a file that a killed process was still writing.
-    pub fn names(&self, name: &str) -> bool {
+    pub(crate) fn names(&self, name: &str) -> bool {
         let among = |n: u32| self.frames.iter().any(|&[first, last]| (first..=last).contains(&n));
         self.files.contains(name) || frame_number(name).is_some_and(among) || is_temporary(name)
     }
 
     /// Removes the files that it names and that `which` picks. Other people's files stay.
-    pub fn remove(&self, folder: &Path, which: impl Fn(&str) -> bool) -> Result<()> {
+    pub(crate) fn remove(&self, folder: &Path, which: impl Fn(&str) -> bool) -> Result<()> {
         for name in entries(folder)? {
             if self.names(&name) && which(&name) {
                 discard(&folder.join(&name))?;
@@ -88,7 +88,7 @@ impl Manifest {
     }
 
     /// With the names of an earlier manifest as well.
-    pub fn with_names_of(mut self, earlier: Manifest) -> Manifest {
+    pub(crate) fn with_names_of(mut self, earlier: Manifest) -> Manifest {
         self.files.extend(earlier.files);
         self.frames.extend(earlier.frames);
         self.frames.sort_unstable();
@@ -102,7 +102,7 @@ impl Manifest {
 }
 
 /// The names in a folder.
-pub fn entries(folder: &Path) -> Result<Vec<String>> {
+pub(crate) fn entries(folder: &Path) -> Result<Vec<String>> {
     let entries = std::fs::read_dir(folder).map_err(Error::io(folder, "read"))?;
     let name = |entry: std::io::Result<std::fs::DirEntry>| {
         let entry = entry.map_err(Error::io(folder, "read"))?;
@@ -112,7 +112,7 @@ pub fn entries(folder: &Path) -> Result<Vec<String>> {
 }
 
 /// Removes a file, a link (not what it leads to), or the unfinished folder of a killed process.
-pub fn discard(path: &Path) -> Result<()> {
+pub(crate) fn discard(path: &Path) -> Result<()> {
     let there = std::fs::symlink_metadata(path);
     let removed = match there {
         Ok(there) if !there.is_dir() => std::fs::remove_file(path),
@@ -131,12 +131,12 @@ pub fn discard(path: &Path) -> Result<()> {
 }
 
 /// Something that a process was still writing: these names are the program's own.
-pub fn is_temporary(name: &str) -> bool {
+pub(crate) fn is_temporary(name: &str) -> bool {
     name.starts_with(".sungaze-") && name.contains(".tmp")
 }
 
 /// The number in `seen.0001.exr` and its like.
-pub fn frame_number(name: &str) -> Option<u32> {
+pub(crate) fn frame_number(name: &str) -> Option<u32> {
     let forms = [("seen.", ".exr"), ("display.", ".png"), ("state.", ".exr")];
     forms.iter().find_map(|(head, tail)| {
         let number = name.strip_prefix(head)?.strip_suffix(tail)?;
@@ -157,7 +157,7 @@ fn runs(numbers: &[u32]) -> Vec<[u32; 2]> {
 }
 
 /// The first of some input files that lies in a folder, at any depth, links followed.
-pub fn input_within<'a>(folder: &Path, inputs: &'a [PathBuf]) -> Option<&'a PathBuf> {
+pub(crate) fn input_within<'a>(folder: &Path, inputs: &'a [PathBuf]) -> Option<&'a PathBuf> {
     let folder = folder.canonicalize().ok()?;
     inputs.iter().find(|input| input.canonicalize().is_ok_and(|input| input.starts_with(&folder)))
 }

@@ -102,7 +102,7 @@ pub fn run(
 }
 
 /// The settings as JSON: what `report.json` shows and a resumed run is compared with.
-pub fn resolved(settings: &Settings) -> Value {
+pub(crate) fn resolved(settings: &Settings) -> Value {
     serde_json::to_value(settings).unwrap_or(Value::Null)
 }
 

@@ -37,7 +37,7 @@ const CURVES: [&[Curve]; 3] = [
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write(path: &Path, history: &[(f64, Vec<Reading>)], cones: &Cones) -> Result<()> {
+pub(crate) fn write(path: &Path, history: &[(f64, Vec<Reading>)], cones: &Cones) -> Result<()> {
     atomic::write_text(path, &drawn(history, cones).svg())
 }
 

@@ -90,7 +90,7 @@ impl Sequence<'_> {
 
 /// Reads the file of every step in order, each file that follows itself once, until the eye hangs
 /// up. `spent` holds planes to be written over.
-pub fn read_all(
+pub(super) fn read_all(
     mut sequence: Sequence<'_>,
     steps: &[Step],
     to_eye: &SyncSender<Result<Arc<Loaded>>>,

@@ -15,11 +15,11 @@ use crate::run::schedule::Step;
 use crate::units::Millimetres;
 
 /// Header of `trace.csv`.
-pub const TRACE: &str = "frame,time_s,duration_s,gaze_x,gaze_y,adapting_cd_m2,pupil_mm,sce_L,sce_M,sce_S,\
+pub(crate) const TRACE: &str = "frame,time_s,duration_s,gaze_x,gaze_y,adapting_cd_m2,pupil_mm,sce_L,sce_M,sce_S,\
 fovea_bleached_L,fovea_bleached_M,fovea_bleached_S,max_bleached_L,max_bleached_M,max_bleached_S,model\n";
 
 /// Header of `probes.csv`.
-pub const PROBES: &str =
+pub(crate) const PROBES: &str =
     "frame,time_s,probe,I_L,I_M,I_S,p_L,p_M,p_S,X,Y,Z,x,y,pupil_mm,lost_L,lost_M,lost_S\n";
 
 /// Columns of the tables, and what they are.
@@ -139,12 +139,18 @@ impl Probe {
 }
 
 /// The pixel of a picture that is nearest to a place.
-pub fn nearest(place: [f64; 2], size: [usize; 2]) -> [usize; 2] {
+pub(crate) fn nearest(place: [f64; 2], size: [usize; 2]) -> [usize; 2] {
     [0, 1].map(|i| (place[i].round().max(0.0) as usize).min(size[i] - 1))
 }
 
 /// The row of `trace.csv`.
-pub fn trace_row(eye: &Eye, planes: &Planes, window: Window, look: &Look, step: &Step) -> String {
+pub(crate) fn trace_row(
+    eye: &Eye,
+    planes: &Planes,
+    window: Window,
+    look: &Look,
+    step: &Step,
+) -> String {
     let size = [planes.width, planes.height];
     let at = window.fraction(look.gaze);
     let sce = eye.vision().observer.equal_energy_weight(look.pupil, Millimetres(0.0));
@@ -171,7 +177,7 @@ fn foveal_bleaching(eye: &Eye, size: [usize; 2], look: &Look) -> [f64; 3] {
 }
 
 /// The rows of `probes.csv` of one frame.
-pub fn probe_rows(readings: &[Reading], step: &Step) -> String {
+pub(crate) fn probe_rows(readings: &[Reading], step: &Step) -> String {
     let row = |r: &Reading| format!("{},{},{}\n", step.number, step.end, r.columns());
     readings.iter().map(row).collect()
 }
@@ -220,7 +226,7 @@ const PLOTTED: usize = 2000;
 
 /// Reads `probes.csv` back, so that a resumed run plots what came before: the readings of each
 /// frame by its time.
-pub fn read_back(path: &Path) -> Result<Vec<(f64, Vec<Reading>)>> {
+pub(crate) fn read_back(path: &Path) -> Result<Vec<(f64, Vec<Reading>)>> {
     let lines = || -> Result<_> {
         let file = std::fs::File::open(path).map_err(Error::io(path, "read"))?;
         let rows = BufReader::new(file).lines().map_while(|line| line.ok());

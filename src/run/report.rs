@@ -59,7 +59,7 @@ impl Counters {
     }
 
     /// One sentence on bad frames; `None` if there were none.
-    pub fn bad_frames(&self) -> Option<String> {
+    pub(crate) fn bad_frames(&self) -> Option<String> {
         let mut parts = Vec::new();
         if !self.mended_frames.is_empty() {
             let (nan, infinite) = (self.nan, self.infinite);
@@ -152,7 +152,7 @@ pub fn processor() -> String {
 
 /// The `check` of a run whose model was asked for and is not meant to be true: nothing was
 /// compared.
-pub fn unchecked() -> Value {
+pub(crate) fn unchecked() -> Value {
     json!({ "samples": 0, "max_error_p": null, "max_error_catch": null })
 }
 
@@ -190,7 +190,7 @@ pub fn constants(config: &Config) -> Value {
 }
 
 /// The first line of a table whose reader asks for the law (`output.law`): a comment.
-pub fn law_line(config: &Config) -> String {
+pub(crate) fn law_line(config: &Config) -> String {
     if !config.settings.output.law {
         return String::new();
     }

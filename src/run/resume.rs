@@ -18,7 +18,7 @@ use crate::run::schedule::Step;
 use crate::run::watch::Watch;
 
 /// What a run begins with.
-pub enum Start {
+pub(super) enum Start {
     Fresh,
     /// From a checkpoint that the eye has taken up, with tables of these lengths.
     From([u64; 2]),
@@ -44,7 +44,7 @@ const ONCE: [&str; 9] = [
 /// # Errors
 /// The folder holds something and there is no leave to touch it, it is not the program's, it holds
 /// an input, or something that the run would go on from has changed.
-pub fn start(
+pub(super) fn start(
     config: &Config,
     scene: &Scene,
     eye: &mut Watching,

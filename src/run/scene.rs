@@ -104,7 +104,7 @@ impl Scene {
     }
 
     /// The steps that have pictures.
-    pub fn pictured(&self) -> Vec<Step> {
+    pub(crate) fn pictured(&self) -> Vec<Step> {
         let within = |step: &&Step| {
             self.range.as_ref().is_none_or(|range| range.binary_search(&step.number).is_ok())
         };

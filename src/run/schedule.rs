@@ -38,7 +38,7 @@ const GROWTH: f64 = 1.0831775737980034;
 const FPS: f64 = 24.0;
 
 /// The frames of a still that is stared at, numbered from 1.
-pub fn of_still(config: &Config) -> Result<Vec<Step>> {
+pub(crate) fn of_still(config: &Config) -> Result<Vec<Step>> {
     let time = &config.settings.time;
     let edges = match time {
         Time { times_s: Some(Times::Listed(times)), .. } => edges_of_times(config, times)?,
@@ -55,7 +55,7 @@ pub fn of_still(config: &Config) -> Result<Vec<Step>> {
 
 /// The frames of a uniform field: one for each of its lights, in turns, that `[time]` may cut finer.
 /// `edges`: their starts and the end of the last, s; none for one light that stays.
-pub fn of_field(config: &Config, edges: &[f64], lights: usize) -> Result<Vec<Step>> {
+pub(crate) fn of_field(config: &Config, edges: &[f64], lights: usize) -> Result<Vec<Step>> {
     let time = &config.settings.time;
     if edges.is_empty() {
         return of_still(config);
@@ -75,7 +75,7 @@ pub fn of_field(config: &Config, edges: &[f64], lights: usize) -> Result<Vec<Ste
 
 /// The frames of a sequence: `numbers` and the file that shows each, with the rate that the files
 /// tell, or the times of a film.
-pub fn of_sequence(
+pub(crate) fn of_sequence(
     config: &Config,
     numbers: &[u32],
     shows: &[usize],

@@ -49,7 +49,7 @@ impl Drive {
     }
 
     /// How much light would be gained over the step at the speed it has at its start.
-    pub fn initial_rise(self) -> Trolands {
+    pub(crate) fn initial_rise(self) -> Trolands {
         match self {
             Drive::Held(_) => Trolands(0.0),
             Drive::Ramp { from, to } => Trolands(to.0 - from.0),

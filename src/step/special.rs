@@ -10,7 +10,7 @@
 use std::f64::consts::PI;
 
 /// Dawson's integral, for x >= 0.
-pub fn dawson(x: f64) -> f64 {
+pub(crate) fn dawson(x: f64) -> f64 {
     const H: f64 = 0.25;
     let odd = |i: i32| f64::from(2 * i + 1);
     let sum: f64 = if x < 1.0 {
@@ -31,7 +31,7 @@ pub fn dawson(x: f64) -> f64 {
 }
 
 /// e^(x^2) erfc(x), for x >= 0.
-pub fn erfcx(x: f64) -> f64 {
+pub(crate) fn erfcx(x: f64) -> f64 {
     const H: f64 = 0.5;
     let node = |n: i32| (f64::from(n) + 0.5) * H;
     let sum: f64 = (0..13).map(|n| (-node(n).powi(2)).exp() / (x * x + node(n).powi(2))).sum();

@@ -48,7 +48,7 @@ fn columns(cases: usize, durations: usize) -> usize {
 }
 
 /// The square that a picture of a sweep's sheet must fit into, pixels.
-pub fn side(sweep: &Sweep) -> usize {
+pub(super) fn side(sweep: &Sweep) -> usize {
     let columns = Plan::new(sweep).columns;
     let cells = sweep.cases.len().min(MOST_CASES) * sweep.durations.len();
     gallery::side(columns, cells.div_ceil(columns), !sweep.keys.is_empty())
@@ -58,7 +58,7 @@ pub fn side(sweep: &Sweep) -> usize {
 ///
 /// # Errors
 /// A page that cannot be written.
-pub fn write(path: &Path, sweep: &Sweep, left: &[Left]) -> Result<()> {
+pub(super) fn write(path: &Path, sweep: &Sweep, left: &[Left]) -> Result<()> {
     let (side, shown) = (side(sweep), &left[..left.len().min(MOST_CASES)]);
     for (i, page) in gallery::pages(blocks(sweep, shown)).iter().enumerate() {
         let name = if i == 0 { "png".to_owned() } else { format!("{}.png", i + 1) };
@@ -129,7 +129,7 @@ fn list<'a>(sweep: &Sweep, shown: &'a [Left], plan: &Plan) -> Block<'a> {
 }
 
 /// A duration in three digits.
-pub fn seconds(duration: f64) -> String {
+pub(super) fn seconds(duration: f64) -> String {
     if duration >= 1e5 {
         return format!("{duration:.0e} s");
     }

@@ -12,10 +12,10 @@ use crate::sweep::pass::Span;
 use crate::units::{Seconds, Trolands};
 
 /// An eye that goes through one pass.
-pub struct CaseEye(Watching);
+pub(super) struct CaseEye(Watching);
 
 /// What was seen at the end of a span.
-pub struct Seen {
+pub(super) struct Seen {
     pub look: Look,
     pub readings: Vec<Reading>,
     /// What the probes would read under this light for ever.
@@ -26,18 +26,18 @@ pub struct Seen {
 
 impl CaseEye {
     /// The eye of a case before its first frame.
-    pub fn new(config: &Config, scene: &Scene) -> Result<CaseEye> {
+    pub(super) fn new(config: &Config, scene: &Scene) -> Result<CaseEye> {
         Ok(CaseEye(Watching::new(config, scene, resolved(&config.settings))?))
     }
 
     /// Luminances of a frame as it is seen: with its veil, where that is drawn.
-    pub fn survey(mut self, loaded: &Loaded) -> Result<Arc<Survey>> {
+    pub(super) fn survey(mut self, loaded: &Loaded) -> Result<Arc<Survey>> {
         let aim = Moment { time: 0.0, frame: 0 };
         Ok(self.0.glance(loaded, aim)?.0.survey)
     }
 
     /// Looks at a frame for a span.
-    pub fn watch(&mut self, loaded: &Loaded, span: &Span) -> Result<Seen> {
+    pub(super) fn watch(&mut self, loaded: &Loaded, span: &Span) -> Result<Seen> {
         let duration = span.length();
         let (look, readings) = if duration == Seconds(0.0) {
             self.0.glance(loaded, span.aim())?
@@ -54,7 +54,7 @@ impl CaseEye {
     }
 
     /// What to say if the sampled check has found more than the budget.
-    pub fn beyond(&self, config: &Config) -> Option<String> {
+    pub(super) fn beyond(&self, config: &Config) -> Option<String> {
         self.0.beyond(config.settings.numerics.budget)
     }
 

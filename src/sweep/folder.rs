@@ -17,10 +17,10 @@ use crate::run::manifest::{self, Kind, Manifest};
 use crate::run::{self, Claim, Existing};
 
 /// What is made of all cases.
-pub const TABLE: &str = "sweep.csv";
-pub const TYPED: &str = "sweep.json";
-pub const CONTACT: &str = "contact.png";
-pub const PLOT: &str = "sweep.svg";
+pub(super) const TABLE: &str = "sweep.csv";
+pub(super) const TYPED: &str = "sweep.json";
+pub(super) const CONTACT: &str = "contact.png";
+pub(super) const PLOT: &str = "sweep.svg";
 
 /// What is made once of all cases.
 const OF_ALL: [&str; 5] = [TABLE, TYPED, CONTACT, PLOT, page::REPORT];
@@ -28,7 +28,7 @@ const OF_ALL: [&str; 5] = [TABLE, TYPED, CONTACT, PLOT, page::REPORT];
 const OF_CASE: [&str; 4] = [manifest::NAME, "cells.csv", "cells.png", "case.json"];
 
 /// A folder that holds one sweep, and the claim on it.
-pub struct Folder {
+pub(super) struct Folder {
     pub path: PathBuf,
     /// Names the sweep.
     pub digest: String,
@@ -37,7 +37,7 @@ pub struct Folder {
 
 /// `case.json`: what the sheet and the plot need beside the pictures and rows.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Done {
+pub(super) struct Done {
     /// The sweep's, of which it is a case.
     pub digest: String,
     /// Names the rows that it left in `cells.csv`.
@@ -55,7 +55,7 @@ pub struct Done {
 
 /// What a probe of a case would come to under its last light.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Steady {
+pub(super) struct Steady {
     #[serde(deserialize_with = "numbers")]
     pub bleached: [f64; 3],
     /// NaN where the percept is black.
@@ -74,7 +74,7 @@ where
 }
 
 /// All that a finished case left for the sheet, the table and the plot.
-pub struct Left {
+pub(super) struct Left {
     pub done: Done,
     /// Rows of the table, with its header.
     pub rows: String,
@@ -88,7 +88,7 @@ impl Folder {
     ///
     /// # Errors
     /// The folder is not the program's, holds an input or another sweep, or another process holds it.
-    pub fn prepare(
+    pub(super) fn prepare(
         path: &Path,
         existing: Existing,
         manifest: Manifest,
@@ -135,12 +135,12 @@ impl Folder {
     }
 
     /// The folder of one case.
-    pub fn case(&self, number: usize) -> PathBuf {
+    pub(super) fn case(&self, number: usize) -> PathBuf {
         self.path.join(format!("case.{number:04}"))
     }
 
     /// Whether a case of this very sweep is finished, all of its files are there and its rows are whole.
-    pub fn is_finished(&self, number: usize) -> bool {
+    pub(super) fn is_finished(&self, number: usize) -> bool {
         self.done(number).is_some()
     }
 
@@ -156,7 +156,7 @@ impl Folder {
     }
 
     /// A folder beside for a case that is begun; it goes away unless the case is finished.
-    pub fn begin(&self, number: usize) -> Result<tempfile::TempDir> {
+    pub(super) fn begin(&self, number: usize) -> Result<tempfile::TempDir> {
         let prefix = format!(".sungaze-case.{number:04}-");
         let mut builder = tempfile::Builder::new();
         builder.prefix(&prefix).suffix(".tmp");
@@ -167,7 +167,12 @@ impl Folder {
 
     /// Leaves what a case is known by, and gives its folder its name: from then on it is finished. Where another
     /// process has finished the same case meanwhile, its folder stays.
-    pub fn finish(&self, number: usize, beside: tempfile::TempDir, left: &Left) -> Result<()> {
+    pub(super) fn finish(
+        &self,
+        number: usize,
+        beside: tempfile::TempDir,
+        left: &Left,
+    ) -> Result<()> {
         let (path, width) = (beside.path(), left.done.size[0]);
         atomic::write_text(&path.join("cells.csv"), &left.rows)?;
         let height = left.pictures.len() / (3 * width);
@@ -198,7 +203,7 @@ impl Folder {
     }
 
     /// Makes the page of all cases.
-    pub fn write_page(&self, sweep: &Sweep) -> Result<()> {
+    pub(super) fn write_page(&self, sweep: &Sweep) -> Result<()> {
         let config = &sweep.cases[0].config;
         if !config.settings.output.page {
             return Ok(());
@@ -209,7 +214,7 @@ impl Folder {
     }
 
     /// What a finished case left.
-    pub fn left(&self, number: usize) -> Result<Left> {
+    pub(super) fn left(&self, number: usize) -> Result<Left> {
         let path = self.case(number);
         let damaged = |name: &str| {
             Error::file(path.join(name), "is damaged: remove the case's folder and run it again")
@@ -229,7 +234,7 @@ impl Folder {
 
 /// The manifest of a sweep. Its settings are everything that the files depend on, read back from text as those of an
 /// earlier sweep are.
-pub fn manifest(config: &Config, sweep: &Sweep) -> Manifest {
+pub(super) fn manifest(config: &Config, sweep: &Sweep) -> Manifest {
     let mut settings = run::resolved(&config.settings);
     let lists = config.settings.sweep.iter().flat_map(|keys| &keys.vary);
     let vary: Vec<String> = lists.map(|vary| format!("{vary:?}")).collect();

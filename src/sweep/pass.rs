@@ -9,7 +9,7 @@ use crate::units::Seconds;
 
 /// The light of one file held over [start, end), and the cell that looks at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Span {
+pub(super) struct Span {
     pub file: usize,
     pub start: f64,
     pub end: f64,
@@ -20,12 +20,12 @@ pub struct Span {
 
 impl Span {
     /// The moment for which the gaze is asked: the span's middle, as that of a run's frame.
-    pub fn aim(&self) -> Moment {
+    pub(super) fn aim(&self) -> Moment {
         Moment { time: 0.5 * (self.start + self.end), frame: self.number }
     }
 
     /// How long the light is held; 0 for a look at the start.
-    pub fn length(&self) -> Seconds {
+    pub(super) fn length(&self) -> Seconds {
         Seconds(self.end - self.start)
     }
 }
@@ -37,7 +37,7 @@ const SAME: f64 = 1e-9;
 /// The spans of a case. A still is held from each duration to the next, after the frames of
 /// `[time]` if that says anything or a gaze moves over it; a sequence in its frames, up to the last
 /// duration.
-pub fn spans(config: &Config, scene: &Scene, durations: &[f64]) -> Result<Vec<Span>> {
+pub(super) fn spans(config: &Config, scene: &Scene, durations: &[f64]) -> Result<Vec<Span>> {
     let last = durations.last().copied().unwrap_or(0.0);
     let mut steps = scene.steps.clone();
     if scene.footage.len() == 1 {

@@ -13,13 +13,13 @@ use crate::plot::palette::{APART, ordered};
 use crate::sweep::folder::Left;
 
 /// Cases beyond these are in the table only.
-pub const MOST_CASES: usize = 400;
+pub(super) const MOST_CASES: usize = 400;
 
 /// Draws the plot of a sweep.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn write(path: &Path, sweep: &Sweep, left: &[Left]) -> Result<()> {
+pub(super) fn write(path: &Path, sweep: &Sweep, left: &[Left]) -> Result<()> {
     let shown = &sweep.cases[..left.len().min(sweep.cases.len()).min(MOST_CASES)];
     let values: Vec<Vec<String>> = shown.iter().map(|case| case.values.clone()).collect();
     let (looks, scale) = looks(&sweep.keys, &values);
@@ -60,7 +60,7 @@ fn members(case: &Case, left: &Left, (ink, dash): (Ink, usize)) -> Vec<(String, 
 const MOST_DIGITS: usize = 8;
 
 /// Values as a person writes them, without the quotes of TOML.
-pub fn plain(values: &[String]) -> String {
+pub(super) fn plain(values: &[String]) -> String {
     let bare = |value: &String| match value.parse() {
         Ok(number) if value.ends_with("0000.0") || value.len() > MOST_DIGITS => written(number),
         _ => value.trim_matches('"').trim_end_matches(".0").to_owned(),
@@ -69,7 +69,7 @@ pub fn plain(values: &[String]) -> String {
 }
 
 /// The last words of keys.
-pub fn short(keys: &[String]) -> String {
+pub(super) fn short(keys: &[String]) -> String {
     let last = |key: &String| key.rsplit('.').next().unwrap_or(key).to_owned();
     keys.iter().map(last).collect::<Vec<_>>().join(", ")
 }

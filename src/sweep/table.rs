@@ -11,21 +11,21 @@ const RECOVERED: [f64; 3] = [0.95, 0.5, 0.9];
 const RECOVERY: &str = "recovery_95_s,recovery_50_s,recovery_90_s";
 
 /// The header, with its line's end.
-pub fn header(keys: &[String]) -> String {
+pub(super) fn header(keys: &[String]) -> String {
     let columns = PROBES.trim_start_matches("frame,time_s,").trim_end();
     let keys: String = keys.iter().map(|key| format!("{},", field(key))).collect();
     format!("case,duration_s,{keys}{columns},steady_p_L,steady_p_M,steady_p_S,{RECOVERY}\n")
 }
 
 /// What a cell's rows begin with.
-pub struct Cell<'a> {
+pub(super) struct Cell<'a> {
     pub case: usize,
     pub duration: f64,
     pub values: &'a [String],
 }
 
 /// The rows of one cell. `steady`: what each probe would read if the light lasted.
-pub fn rows(
+pub(super) fn rows(
     cell: &Cell<'_>,
     readings: &[Reading],
     steady: &[Reading],

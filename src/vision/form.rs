@@ -5,7 +5,7 @@ use crate::kernel::{CatchForm, PerceptForm, PlanesForm};
 
 impl Vision {
     /// The catches' loop.
-    pub fn catch_form(&self) -> CatchForm {
+    pub(crate) fn catch_form(&self) -> CatchForm {
         let peak = |values: &Vec<f64>| self.levels.polynomial(values).map(|c| c as f32);
         let peaks = match &self.peaks {
             None => [const { Vec::new() }; 3],
@@ -32,7 +32,7 @@ impl Vision {
     }
 
     /// The percept's loop.
-    pub fn percept_form(&self) -> PerceptForm {
+    pub(crate) fn percept_form(&self) -> PerceptForm {
         PerceptForm {
             lms_to_percept: self.lms_to_seen.map(|row| row.map(|v| v as f32)),
             returns_light: self.returns_its_light(),

@@ -89,12 +89,12 @@ impl Levels {
     }
 
     /// The value at p of what has these values at the levels.
-    pub fn mix(&self, p: f64, values: &[f64]) -> f64 {
+    pub(crate) fn mix(&self, p: f64, values: &[f64]) -> f64 {
         self.weights(p).iter().zip(values).map(|(w, v)| w * v).sum()
     }
 
     /// The same as a polynomial in p, lowest power first.
-    pub fn polynomial(&self, values: &[f64]) -> [f64; 5] {
+    pub(crate) fn polynomial(&self, values: &[f64]) -> [f64; 5] {
         match self {
             Levels::Four => {
                 // A third difference over the levels themselves would lose digits; these are exact

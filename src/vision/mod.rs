@@ -135,12 +135,12 @@ impl Vision {
     }
 
     /// Whether the percept of an unbleached eye is the frame itself: so for RGB.
-    pub fn returns_its_light(&self) -> bool {
+    pub(crate) fn returns_its_light(&self) -> bool {
         matches!(self.reception, Reception::Rgb(_))
     }
 
     /// Whether frames hold bands, of which the moments are still to be made.
-    pub fn holds_bands(&self) -> bool {
+    pub(crate) fn holds_bands(&self) -> bool {
         matches!(self.reception, Reception::Held(_))
     }
 
@@ -162,7 +162,7 @@ impl Vision {
     /// RGB stands for have negative parts, small ones in sRGB, large ones in wide primaries: what is
     /// left of the S cone's catch of a BT.2020 red is a rounding error of parts that cancel, and no
     /// measure of anything.
-    pub fn levels_bound(&self) -> f64 {
+    pub(crate) fn levels_bound(&self) -> f64 {
         level_bound(self.observer.fundamentals.density().into_iter().fold(0.0, f64::max))
     }
 
@@ -183,7 +183,7 @@ impl Vision {
     }
 
     /// The weight of a plane in moment `row`.
-    pub fn moment_weight(&self, row: usize, plane: usize) -> f64 {
+    pub(crate) fn moment_weight(&self, row: usize, plane: usize) -> f64 {
         match &self.reception {
             Reception::Rgb(rows) => rows[row][plane],
             Reception::Bands(_) => f64::from(u8::from(row == plane)),
@@ -215,7 +215,7 @@ impl Vision {
 
     /// Moments of light that an equal-energy spectrum of one cd/m2 would have: what surrounds the
     /// picture.
-    pub fn equal_energy_moments(&self) -> Vec<f64> {
+    pub(crate) fn equal_energy_moments(&self) -> Vec<f64> {
         self.moments_of(&Curve::sampled(|_| 1.0))
     }
 
@@ -233,14 +233,14 @@ impl Vision {
     }
 
     /// Moments of light of any spectrum at one cd/m2.
-    pub fn moments_of(&self, spectrum: &Curve) -> Vec<f64> {
+    pub(crate) fn moments_of(&self, spectrum: &Curve) -> Vec<f64> {
         let luminance = spectrum.times(&self.observer.luminous_efficiency()).integral();
         let rows = weighting_curves(&self.observer, &self.levels);
         rows.iter().map(|row| spectrum.times(row).integral() / luminance).collect()
     }
 
     /// The cone class that a moment belongs to: 0, 1, 2 for L, M, S.
-    pub fn cone_of_moment(&self, row: usize) -> usize {
+    pub(crate) fn cone_of_moment(&self, row: usize) -> usize {
         match row.checked_sub(self.first_illuminance()) {
             None => row / self.levels.len(),
             Some(row) => row / self.observer.directional.levels().len(),

@@ -37,7 +37,7 @@ impl Projection {
     }
 
     /// Every band kept as it is.
-    pub fn identity(bands: usize) -> Projection {
+    pub(crate) fn identity(bands: usize) -> Projection {
         Projection::choice(bands, 0..bands)
     }
 
@@ -67,7 +67,7 @@ impl Projection {
 
     /// The same map for bands that are stored in another order and scale: stored band `i` is band
     /// `order[i]` of this map and is multiplied by `scale[i]` on the way.
-    pub fn reordered(&self, order: &[usize], scale: &[f64]) -> Projection {
+    pub(crate) fn reordered(&self, order: &[usize], scale: &[f64]) -> Projection {
         let mut sums = BandSums::new(self.rows);
         for (stored, (&band, scale)) in order.iter().zip(scale).enumerate() {
             for (row, weight) in self.sums.of_band(band) {
@@ -111,14 +111,14 @@ impl Projection {
     }
 
     /// Columns of the places in row `y` whose spectra are to be remembered.
-    pub fn kept_columns(&self, y: usize) -> impl Iterator<Item = usize> + '_ {
+    pub(crate) fn kept_columns(&self, y: usize) -> impl Iterator<Item = usize> + '_ {
         let places = self.kept.iter().flat_map(|kept| kept.places.iter());
         places.filter(move |[_, row]| *row == y).map(|[x, _]| *x)
     }
 
     /// Remembers the spectra of the places that lie in row `y`; `bands` begins at column `left` of
     /// the frame.
-    pub fn remember(&self, y: usize, left: usize, bands: &[f32]) {
+    pub(crate) fn remember(&self, y: usize, left: usize, bands: &[f32]) {
         let Some(kept) = &self.kept else { return };
         let width = bands.len() / self.bands;
         for (place, spectrum) in

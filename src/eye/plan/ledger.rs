@@ -11,37 +11,37 @@ pub(crate) struct Ledger {
 
 impl Ledger {
     /// Bounds that were kept, `per_row` tiles a row, and that of all that no picture has covered.
-    pub fn new(bounds: Vec<f64>, per_row: usize, beyond: f64) -> Self {
+    pub(crate) fn new(bounds: Vec<f64>, per_row: usize, beyond: f64) -> Self {
         Ledger { bounds, per_row, beyond }
     }
 
     /// Every tile has been modelled.
-    pub fn spend(&mut self) {
+    pub(crate) fn spend(&mut self) {
         self.bounds.fill(f64::INFINITY);
     }
 
     /// The bound of all that no picture has covered.
-    pub fn beyond(&self) -> f64 {
+    pub(crate) fn beyond(&self) -> f64 {
         self.beyond
     }
 
     /// The same, to be carried over a step.
-    pub fn beyond_mut(&mut self) -> &mut f64 {
+    pub(crate) fn beyond_mut(&mut self) -> &mut f64 {
         &mut self.beyond
     }
 
     /// All bounds, row by row.
-    pub fn bounds(&self) -> &[f64] {
+    pub(crate) fn bounds(&self) -> &[f64] {
         &self.bounds
     }
 
     /// Tiles in a row of the retina.
-    pub fn per_row(&self) -> usize {
+    pub(crate) fn per_row(&self) -> usize {
         self.per_row
     }
 
     /// The rows, to be carried over a step.
-    pub fn rows_mut(&mut self) -> rayon::slice::ChunksExactMut<'_, f64> {
+    pub(crate) fn rows_mut(&mut self) -> rayon::slice::ChunksExactMut<'_, f64> {
         use rayon::prelude::*;
         self.bounds.par_chunks_exact_mut(self.per_row.max(1))
     }
@@ -49,7 +49,7 @@ impl Ledger {
     /// Room for the tiles of a retina that has grown. `first`: tiles and rows before the old ones;
     /// `size`: tiles in a row and rows now. What is new was beyond. The last tile of a row may have
     /// grown itself.
-    pub fn grow(&mut self, first: [usize; 2], size: [usize; 2]) {
+    pub(crate) fn grow(&mut self, first: [usize; 2], size: [usize; 2]) {
         let ([per_row, rows], beyond) = (size, self.beyond);
         let mut bounds = vec![beyond; per_row * rows];
         for (y, old) in self.bounds.chunks_exact(self.per_row.max(1)).enumerate() {

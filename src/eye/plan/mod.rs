@@ -37,7 +37,7 @@ pub const BUDGET: f64 = 1e-3;
 const UNTOUCHED: f64 = 0.25;
 
 /// Shares of the budget for the steady state, and for the sub-steps of nonlinear laws.
-pub const STEADY: f64 = 0.125;
+pub(crate) const STEADY: f64 = 0.125;
 pub const SUBSTEPS: f64 = 0.125;
 
 /// What is modelled of a scene, decided while its frames go by.
@@ -103,7 +103,7 @@ impl Plan {
     }
 
     /// Whether it is free to choose.
-    pub fn is_free(&self) -> bool {
+    pub(crate) fn is_free(&self) -> bool {
         self.budget.is_some()
     }
 

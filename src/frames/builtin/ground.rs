@@ -42,7 +42,7 @@ impl Swell {
 
 impl Waves {
     /// Trains spread evenly over lengths and directions by the golden ratio and its peers.
-    pub fn new() -> Self {
+    pub(super) fn new() -> Self {
         let spread = |i: usize, ratio: f64| (i as f64 * ratio).fract();
         Waves(std::array::from_fn(|i| {
             let along = 9.0 * 16f64.powf((i as f64 + 0.5) / TRAINS as f64);
@@ -57,7 +57,7 @@ impl Waves {
 
     /// The waves `depth` degrees under the horizon, `aside` of the sun, on pixels of `pixel`
     /// degrees.
-    pub fn at(&self, aside: f64, depth: f64, pixel: f64) -> Swell {
+    pub(super) fn at(&self, aside: f64, depth: f64, pixel: f64) -> Swell {
         let far = 1.0 / (depth + EDGE_DEG);
         let (u, v) = (aside * far.sqrt(), -far.ln());
         let mut swell = Swell { height: 0.0, variance: 0.0 };

@@ -22,9 +22,9 @@ pub(super) struct Mixture {
 }
 
 impl Mixture {
-    pub const DARK: Mixture = Mixture { sun: 0.0, ember: 0.0, gold: 0.0, air: 0.0 };
+    pub(super) const DARK: Mixture = Mixture { sun: 0.0, ember: 0.0, gold: 0.0, air: 0.0 };
 
-    pub fn as_array(self) -> [f64; LIGHTS] {
+    pub(super) fn as_array(self) -> [f64; LIGHTS] {
         [self.sun, self.ember, self.gold, self.air]
     }
 
@@ -32,12 +32,12 @@ impl Mixture {
         Mixture { sun, ember, gold, air }
     }
 
-    pub fn plus(self, other: Mixture) -> Mixture {
+    pub(super) fn plus(self, other: Mixture) -> Mixture {
         let (a, b) = (self.as_array(), other.as_array());
         Mixture::of_array(std::array::from_fn(|i| a[i] + b[i]))
     }
 
-    pub fn times(self, factor: f64) -> Mixture {
+    pub(super) fn times(self, factor: f64) -> Mixture {
         Mixture::of_array(self.as_array().map(|nits| nits * factor))
     }
 

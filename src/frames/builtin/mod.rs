@@ -18,7 +18,7 @@ use light::{LIGHTS, Mixture};
 use super::{Footage, Header, Kind};
 
 /// Width of the scene, degrees.
-pub const FIELD_DEG: f64 = 8.0;
+pub(crate) const FIELD_DEG: f64 = 8.0;
 
 /// Luminance of the sun half a degree up under a turbidity of 2.5, for which the sky is painted,
 /// cd/m2.
