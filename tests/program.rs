@@ -188,6 +188,18 @@ fn a_mistake_costs_nothing_of_an_earlier_run() {
 }
 
 #[test]
+fn a_value_that_is_no_word_is_told_what_is_accepted_in_the_words_of_users() {
+    let folder = folder();
+    for value in ["false", "3", "[1]"] {
+        let set = format!("output.seen={value}");
+        let refused = run_small(folder.path(), &["--out", "o", "--set", &set]);
+        let told = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(told.contains("output.seen: accepted: a word"), "{told}");
+        assert_eq!(code(&refused), 2);
+    }
+}
+
+#[test]
 fn bad_frames_that_a_policy_lets_go_on_are_counted_and_exit_with_three() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);

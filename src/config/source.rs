@@ -68,6 +68,7 @@ pub(super) fn plain(message: &str) -> String {
         ("ObserverKeys", "[observer]"),
         ("DisplayKeys", "[display]"),
         ("wanted string or table", "accepted: a word in quotes"),
+        ("invalid type: unit variant, expected string only", "accepted: a word"),
     ];
     words.iter().fold(message.to_owned(), |text, (from, to)| text.replace(from, to))
 }
