@@ -106,11 +106,7 @@ impl Gaze {
     }
 
     /// Where the first look goes, in pixels.
-    pub(crate) fn at_first(
-        &self,
-        brightest: impl FnOnce() -> [f64; 2],
-        window: Window,
-    ) -> [f64; 2] {
+    pub fn at_first(&self, brightest: impl FnOnce() -> [f64; 2], window: Window) -> [f64; 2] {
         self.pixel(Moment { time: 0.0, frame: 0 }, brightest, window, None)
     }
 }
