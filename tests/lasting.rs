@@ -1,6 +1,7 @@
 //! Runs that are killed, interrupted or refused: nothing half-written, nothing lost.
 
 use std::collections::BTreeMap;
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
@@ -167,4 +168,37 @@ fn a_table_that_cannot_grow_is_reported_and_leaves_no_half_picture() {
     assert!(told.contains("seen.start.exr") && told.contains("cannot write"), "{told}");
     assert!(!folder.path().join("o/seen.start.exr").exists());
     assert_eq!(finish(folder.path(), &["--out", "o", "--set", "input.width=400", "--resume"]), 0);
+}
+
+/// How often the threads of a process have waited for something.
+#[cfg(target_os = "linux")]
+fn waits(id: u32) -> u64 {
+    let of = |task: std::fs::DirEntry| {
+        let status = std::fs::read_to_string(task.path().join("status")).unwrap_or_default();
+        let line = status.lines().find_map(|line| line.strip_prefix("voluntary_ctxt_switches:"));
+        line.map_or(0, |count| count.trim().parse::<u64>().unwrap())
+    };
+    std::fs::read_dir(format!("/proc/{id}/task")).unwrap().map(|task| of(task.unwrap())).sum()
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_live_view_that_nobody_looks_at_sleeps_and_a_signal_ends_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_sungaze"));
+    command.args(["view", "--no-open", "--set", "input.width=64"]).current_dir(folder.path());
+    let mut view = command.stdout(Stdio::piped()).spawn().unwrap();
+    let mut address = String::new();
+    BufReader::new(view.stdout.take().unwrap()).read_line(&mut address).unwrap();
+    assert!(address.starts_with("http://127.0.0.1:"), "{address}");
+    // Threads that have just worked fall asleep one after the other.
+    let sleeps = (0..50).any(|_| {
+        let before = waits(view.id());
+        std::thread::sleep(Duration::from_millis(200));
+        waits(view.id()) == before
+    });
+    let told = Command::new("kill").args(["-TERM", &view.id().to_string()]).status().unwrap();
+    assert!(told.success());
+    assert_eq!(view.wait().unwrap().code(), Some(130));
+    assert!(sleeps, "a thread woke in each of 50 spans of 200 ms");
 }

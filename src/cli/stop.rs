@@ -5,10 +5,12 @@
 //! stands: files appear whole or not at all, and a run writes a checkpoint before such frames. A second signal ends
 //! the program at once.
 
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, sync_channel};
+use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, LazyLock};
+use std::thread::Builder;
 use std::time::{Duration, Instant};
 
 use signal_hook::consts::{SIGINT, SIGTERM};
@@ -20,7 +22,7 @@ use super::say;
 const PATIENCE: Duration = Duration::from_millis(800);
 /// How long it may take to leave: to write a checkpoint to a slow disk.
 const FAREWELL: Duration = Duration::from_secs(30);
-/// How often the signals are asked for.
+/// How often work that is to leave is asked whether it has begun to.
 const OFTEN: Duration = Duration::from_millis(20);
 
 static ASKED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Default::default);
@@ -44,35 +46,67 @@ fn listen() {
     }
 }
 
+/// Waits for a signal that [`listen`] has taken over. Windows has none that a thread could wait for.
+fn wait_for_signal() {
+    #[cfg(unix)]
+    if let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM]) {
+        signals.forever().next();
+    }
+    while !asked() {
+        std::thread::sleep(OFTEN);
+    }
+}
+
+/// Holds the thread that works until a signal has come.
+pub fn wait() {
+    while !asked() {
+        std::thread::park();
+    }
+}
+
+/// How work has ended: with its exit code, or its panic.
+type End = std::thread::Result<ExitCode>;
+
 /// Does some work until it is done or the user has asked to stop. `resumable`: it can be gone on with.
 pub fn unless_asked(resumable: bool, work: impl FnOnce() -> ExitCode + Send + 'static) -> ExitCode {
     listen();
-    let (done, wait) = sync_channel(1);
-    let worker = std::thread::Builder::new().stack_size(8 << 20).spawn(move || done.send(work()));
-    let worker = match worker {
-        Ok(worker) => worker,
+    let (news, heard) = channel();
+    let done = news.clone();
+    let work = move || done.send(Some(catch_unwind(AssertUnwindSafe(work))));
+    let worker = match Builder::new().stack_size(8 << 20).spawn(work) {
+        Ok(worker) => worker.thread().clone(),
         Err(error) => {
             say::message(&format!("sungaze: cannot start a thread: {error}"));
             return ExitCode::FAILURE;
         }
     };
-    let mut since: Option<Instant> = None;
+    let signals = move || {
+        wait_for_signal();
+        worker.unpark();
+        news.send(None)
+    };
+    // Without this thread the work is asked to stop all the same, but not left.
+    let _ = Builder::new().name("signals".into()).spawn(signals);
+    let end = heard.recv().ok().flatten().or_else(|| end_in_time(&heard));
+    end.map_or_else(|| stopped(resumable), |end| end.unwrap_or_else(|panic| resume_unwind(panic)))
+}
+
+/// The end of work that has been asked to stop; `None`: it takes too long.
+fn end_in_time(news: &Receiver<Option<End>>) -> Option<End> {
+    let since = Instant::now();
     loop {
-        match wait.recv_timeout(OFTEN) {
-            Ok(code) => return code,
-            Err(RecvTimeoutError::Timeout) => {}
-            // The work has panicked: so does the program, with its exit code.
-            Err(RecvTimeoutError::Disconnected) => match worker.join() {
-                Err(panic) => std::panic::resume_unwind(panic),
-                Ok(_) => return ExitCode::FAILURE,
-            },
+        if let Ok(end) = news.recv_timeout(OFTEN) {
+            return end;
         }
-        let waited = asked().then(|| since.get_or_insert_with(Instant::now).elapsed());
         let patience = if LEAVING.load(Ordering::SeqCst) { FAREWELL } else { PATIENCE };
-        if waited.is_some_and(|waited| waited >= patience) {
-            let stopped = Error::Interrupted { resumable };
-            say::failure(&stopped);
-            return ExitCode::from(stopped.exit_code());
+        if since.elapsed() >= patience {
+            return None;
         }
     }
+}
+
+fn stopped(resumable: bool) -> ExitCode {
+    let stopped = Error::Interrupted { resumable };
+    say::failure(&stopped);
+    ExitCode::from(stopped.exit_code())
 }

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 use std::process::ExitCode;
-use std::time::Duration;
 
 use clap::Args;
 
@@ -12,9 +11,6 @@ use sungaze::view::View;
 
 use super::frames::Keys;
 use super::{Common, say, stop};
-
-/// How often the signals are asked for.
-const OFTEN: Duration = Duration::from_millis(50);
 
 /// What `view` is asked for beside the common flags.
 #[derive(Args)]
@@ -50,9 +46,7 @@ pub fn command(
     if !asked.no_open {
         open(&view.url());
     }
-    while !stop::asked() {
-        std::thread::sleep(OFTEN);
-    }
+    stop::wait();
     Ok(ExitCode::from(Error::Interrupted { resumable: false }.exit_code()))
 }
 
