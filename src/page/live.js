@@ -7,7 +7,7 @@ class Live {
   constructor() {
     Object.assign(this, { looks: 0, gaze: [0.5, 0.5], playing: false, lived: 0, times: [], p: [[], [], []], sent: new Map(), drawn: [] });
     $("title").textContent = "sungaze";
-    $("keys").textContent = "Keys: space runs and pauses, arrows move the gaze (shift: far), hold B for before, R rests the eye.";
+    $("keys").textContent = "Click or drag on the picture to look there. Keys: space runs and pauses, arrows move the gaze (shift: far), hold B for before, R rests the eye.";
     $("time").step = "any";
     $("begin").hidden = false;
     $("begin").focus();
