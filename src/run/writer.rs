@@ -6,7 +6,7 @@ use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use half::f16;
 use rayon::prelude::*;
@@ -195,37 +195,49 @@ impl Writer<'_> {
         Ok(spent)
     }
 
-    /// Writes one frame's pictures and state, and says which files those are.
+    /// Writes one frame's pictures and state, and says which files those are. The two pictures are
+    /// made side by side: a PNG takes one thread.
     pub fn write(&self, frame: &Finished, spent: &mut Timing) -> Result<Vec<PathBuf>> {
         let begun = Instant::now();
-        let map = frame.map.as_ref().filter(|_| frame.pictured);
-        let size = self.window.size;
-        let shown = |map| self.picture(&self.window.of(&frame.seen), map);
-        let picture = map.map(|map| frame.marked(size, shown(map)));
-        spent.display_s += begun.elapsed().as_secs_f64();
-        let begun = Instant::now();
-        let (mut written, name) = (Vec::new(), &frame.name);
-        let mut named = |name: String| {
-            written.push(self.folder.join(name));
-            written[written.len() - 1].clone()
+        let (seen, display) = rayon::join(|| self.write_seen(frame), || self.write_display(frame));
+        let (seen, (display, mapped)) = (seen?, display?);
+        let state = self.write_state(frame)?;
+        spent.display_s += mapped.as_secs_f64();
+        spent.encode_s += (begun.elapsed() - mapped).as_secs_f64();
+        Ok([seen, display, state].into_iter().flatten().collect())
+    }
+
+    fn write_seen(&self, frame: &Finished) -> Result<Option<PathBuf>> {
+        if !(self.seen && frame.pictured) {
+            return Ok(None);
+        }
+        let path = self.folder.join(format!("seen.{}.exr", frame.name));
+        let plate = self.plates.map_or(Ok(None), |footage| footage.plate(frame.file))?;
+        let (seen, about) = (self.in_file(&frame.seen), &self.about);
+        frames::write_percept(&path, &seen, self.compression, about, plate.as_ref())?;
+        Ok(Some(path))
+    }
+
+    /// The display picture, and how long its tone map took.
+    fn write_display(&self, frame: &Finished) -> Result<(Option<PathBuf>, Duration)> {
+        let Some(map) = frame.map.as_ref().filter(|_| frame.pictured) else {
+            return Ok((None, Duration::ZERO));
         };
-        if self.seen && frame.pictured {
-            let path = named(format!("seen.{name}.exr"));
-            let plate = self.plates.map_or(Ok(None), |footage| footage.plate(frame.file))?;
-            let (seen, about) = (self.in_file(&frame.seen), &self.about);
-            frames::write_percept(&path, &seen, self.compression, about, plate.as_ref())?;
-        }
-        if let Some(rgb) = picture {
-            let path = named(format!("display.{name}.png"));
-            frames::write_png(&path, size[0], size[1], &rgb)?;
-        }
-        if let Some((number, planes, time)) = &frame.state {
-            let path = named(number.map_or("state.exr".into(), |n| format!("state.{n:04}.exr")));
-            let note = serde_json::json!({ "time_s": time, "config": self.digest }).to_string();
-            frames::write_state(&path, planes, &note)?;
-        }
-        spent.encode_s += begun.elapsed().as_secs_f64();
-        Ok(written)
+        let (begun, size) = (Instant::now(), self.window.size);
+        let rgb = frame.marked(size, self.picture(&self.window.of(&frame.seen), map));
+        let mapped = begun.elapsed();
+        let path = self.folder.join(format!("display.{}.png", frame.name));
+        frames::write_png(&path, size[0], size[1], &rgb)?;
+        Ok((Some(path), mapped))
+    }
+
+    fn write_state(&self, frame: &Finished) -> Result<Option<PathBuf>> {
+        let Some((number, planes, time)) = &frame.state else { return Ok(None) };
+        let name = number.map_or("state.exr".into(), |n| format!("state.{n:04}.exr"));
+        let path = self.folder.join(name);
+        let note = serde_json::json!({ "time_s": time, "config": self.digest }).to_string();
+        frames::write_state(&path, planes, &note)?;
+        Ok(Some(path))
     }
 
     /// The percept as its file holds it.
