@@ -36,6 +36,8 @@ def test_what_progress_raises_ends_the_run_which_goes_on_later(tmp_path):
 
 
 def test_an_interrupt_is_a_keyboard_interrupt(tmp_path):
+    # Behind a shell's `&` Python ignores interrupts unless it is told to heed them.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     long = {**SHORT, "time": {"interval_s": 0.01, "duration_s": 1000.0}}
 
     def interrupt(done, total):
