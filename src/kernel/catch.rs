@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! RGB:      R_k(p) = p sum_i W_ki(p) light_i              W_ki: a cubic in p for each plane
-//! moments:  R_k(p) = p (M2 + (1-p) (a(p) (M0 - M2) + b(p) (M1 - M2)))      a, b: cubics in p
+//! moments:  R_k(p) = p (M2 + (1-p) (a(p) (M0 - M2) + b(p) (M1 - M2)))      a, b: quadratics in p
 //! ```
 //!
 //! Written out in vectors, of which the last may overlap the one before.
@@ -21,7 +21,7 @@ pub struct CatchForm {
     pub planes: PlanesForm,
     /// `[cone]`: polynomials in p, lowest power first, whose largest is the peak that a catch is
     /// divided by; empty where it is not.
-    pub peaks: [Vec<[f32; 5]>; 3],
+    pub peaks: [Vec<[f32; 4]>; 3],
 }
 
 /// How planes become catches per pigment.
@@ -29,9 +29,9 @@ pub struct CatchForm {
 pub enum PlanesForm {
     /// `[cone][plane]`: the plane's weight, a cubic in p, lowest power first.
     Rgb([[[f32; 4]; 3]; 3]),
-    /// The planes of cone k are its three moments, from plane 3 k on; the cubics that mix them,
-    /// lowest power first.
-    Moments { outer: [f32; 4], middle: [f32; 4] },
+    /// The planes of cone k are its three moments, from plane 3 k on; the quadratics that mix
+    /// them, lowest power first.
+    Moments { outer: [f32; 3], middle: [f32; 3] },
 }
 
 struct Catch<'a> {
@@ -121,7 +121,7 @@ fn vectors<S: Simd>(run: &[f32]) -> &[S::f32s] {
 #[inline(always)]
 fn mixed<S: Simd>(
     simd: S,
-    [outer, middle]: [&[f32; 4]; 2],
+    [outer, middle]: [&[f32; 3]; 2],
     p: S::f32s,
     m: [S::f32s; 3],
 ) -> S::f32s {
@@ -136,7 +136,7 @@ fn mixed<S: Simd>(
 #[inline(always)]
 fn finished<S: Simd>(
     simd: S,
-    peaks: &[[f32; 5]],
+    peaks: &[[f32; 4]],
     p: S::f32s,
     per_pigment: S::f32s,
     whole: S::f32s,

@@ -129,7 +129,7 @@ impl Fundamentals {
         if p == 1.0 { self.unbleached[cone].clone() } else { self.per_pigment(cone, p).scaled(p) }
     }
 
-    /// s_k(.; p) / p, which has a limit in an eye without pigment: H of numerics 5.3.
+    /// s_k(.; p) / p, which has a limit in an eye without pigment: H of [`crate::vision`].
     pub(crate) fn per_pigment(&self, cone: usize, p: f64) -> Curve {
         if p == 1.0 {
             return self.unbleached[cone].clone();

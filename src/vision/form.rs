@@ -1,34 +1,30 @@
 //! Catches and percept of a vision in the shape that loops over rows want.
 
-use super::{Levels, Vision};
+use super::{LEVELS, Vision};
 use crate::kernel::{CatchForm, PerceptForm, PlanesForm};
 
 impl Vision {
     /// The catches' loop.
     pub(crate) fn catch_form(&self) -> CatchForm {
-        let peak = |values: &Vec<f64>| self.levels.polynomial(values).map(|c| c as f32);
+        let single = |powers: [f64; 4]| powers.map(|c| c as f32);
         let peaks = match &self.peaks {
             None => [const { Vec::new() }; 3],
-            Some(peaks) => [0, 1, 2].map(|k| peaks[k].iter().map(peak).collect()),
+            Some(peaks) => peaks.each_ref().map(|peaks| {
+                peaks.iter().map(|&values| single(self.levels.polynomial(values))).collect()
+            }),
         };
-        let planes = match self.levels {
-            Levels::Four => PlanesForm::Rgb(
-                [0, 1, 2].map(|k| [0, 1, 2].map(|plane| self.weight_form(k, plane))),
-            ),
-            Levels::Three { outer, middle } => PlanesForm::Moments {
-                outer: outer.map(|c| c as f32),
-                middle: middle.map(|c| c as f32),
-            },
+        let weight = |k: usize, plane: usize| {
+            let of_level = |j: usize| self.moment_weight(LEVELS.len() * k + j, plane);
+            single(self.levels.polynomial([0, 1, 2].map(of_level)))
+        };
+        let planes = if self.returns_its_light() {
+            PlanesForm::Rgb([0, 1, 2].map(|k| [0, 1, 2].map(|plane| weight(k, plane))))
+        } else {
+            let [outer, middle] =
+                [self.levels.outer, self.levels.middle].map(|c| c.map(|c| c as f32));
+            PlanesForm::Moments { outer, middle }
         };
         CatchForm { planes, peaks }
-    }
-
-    /// The weight of an RGB plane in a cone's catch, as a cubic in p.
-    fn weight_form(&self, k: usize, plane: usize) -> [f32; 4] {
-        let of_level = |j: usize| self.moment_weight(k * self.levels.len() + j, plane);
-        let values: Vec<f64> = (0..self.levels.len()).map(of_level).collect();
-        let [c0, c1, c2, c3, _] = self.levels.polynomial(&values).map(|c| c as f32);
-        [c0, c1, c2, c3]
     }
 
     /// The percept's loop.

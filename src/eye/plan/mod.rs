@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! B' <= (c s - B)/tau        every law, from B = 0: no regeneration is slower than first order
-//! 0 <= 1 - R(p)/R(1) <= B    so what is left out of p is left out of no catch more (numerics 5)
+//! 0 <= 1 - R(p)/R(1) <= B    so what is left out of p is left out of no catch more
 //! ```
 //!
 //! A tile whose bound stays below a quarter of the budget is left untouched and its pixels are
