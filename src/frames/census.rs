@@ -4,66 +4,7 @@ use half::f16;
 use half::slice::HalfFloatSliceExt;
 
 use crate::frames::options::{Negative, NonFinite, ReadOptions};
-use crate::light::{Samples, Tally};
-
-/// A number that a picture is stored in.
-pub(super) trait Sample: Copy + Default + Send + Sync {
-    fn is_wild(self) -> bool;
-    fn is_negative(self) -> bool;
-    fn value(self) -> f32;
-    fn from_value(value: f32) -> Self;
-    fn into_samples(samples: Vec<Self>) -> Samples;
-    fn from_samples(samples: Samples) -> Option<Vec<Self>>;
-}
-
-impl Sample for f32 {
-    #[inline(always)]
-    fn is_wild(self) -> bool {
-        !self.is_finite()
-    }
-    #[inline(always)]
-    fn is_negative(self) -> bool {
-        self < 0.0
-    }
-    #[inline(always)]
-    fn value(self) -> f32 {
-        self
-    }
-    fn from_value(value: f32) -> Self {
-        value
-    }
-    fn into_samples(samples: Vec<Self>) -> Samples {
-        Samples::Float(samples)
-    }
-    fn from_samples(samples: Samples) -> Option<Vec<Self>> {
-        if let Samples::Float(samples) = samples { Some(samples) } else { None }
-    }
-}
-
-impl Sample for f16 {
-    #[inline(always)]
-    fn is_wild(self) -> bool {
-        self.to_bits() & 0x7c00 == 0x7c00
-    }
-    /// Minus zero is not negative; a NaN may seem so until it is counted as wild.
-    #[inline(always)]
-    fn is_negative(self) -> bool {
-        self.to_bits() > 0x8000
-    }
-    #[inline(always)]
-    fn value(self) -> f32 {
-        self.to_f32()
-    }
-    fn from_value(value: f32) -> Self {
-        f16::from_f32(value)
-    }
-    fn into_samples(samples: Vec<Self>) -> Samples {
-        Samples::Half(samples)
-    }
-    fn from_samples(samples: Samples) -> Option<Vec<Self>> {
-        if let Samples::Half(samples) = samples { Some(samples) } else { None }
-    }
-}
+use crate::light::{Sample, Tally};
 
 /// The first sample of a frame that is no number of light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -102,7 +43,7 @@ impl Census {
     pub(super) fn count<T: Sample>(&mut self, samples: &[T], plane: usize, x: usize, y: usize) {
         let (mut wild, mut negative) = (false, 0u32);
         for sample in samples {
-            wild |= sample.is_wild();
+            wild |= !sample.is_finite();
             negative += u32::from(sample.is_negative());
         }
         if wild {
@@ -118,7 +59,7 @@ impl Census {
             self.tally.nan += u64::from(value.is_nan());
             self.tally.infinite += u64::from(value.is_infinite());
             self.tally.negative += u64::from(value < 0.0);
-            if sample.is_wild() && self.first.is_none() {
+            if !sample.is_finite() && self.first.is_none() {
                 self.first = Some(Wild { x: start.x + i, value, ..start });
             }
         }
@@ -172,7 +113,7 @@ impl Mending {
     /// Mends samples that were counted.
     pub(super) fn mend<T: Sample>(self, samples: &mut [T]) {
         if let Some(infinity) = self.infinity {
-            for sample in samples.iter_mut().filter(|sample| sample.is_wild()) {
+            for sample in samples.iter_mut().filter(|sample| !sample.is_finite()) {
                 let up = sample.value() == f32::INFINITY;
                 *sample = if up { T::from_value(infinity) } else { T::default() };
             }

@@ -67,8 +67,7 @@ impl ExrPicture {
         if self.verdict(&census)? {
             samples.par_chunks_mut(width).for_each(|row| mending.second(&census).mend(row));
         }
-        let planes =
-            Planes { width, height: part.height(), count, samples: T::into_samples(samples) };
+        let planes = Planes { width, height: part.height(), count, samples: T::samples(samples) };
         Ok(Frame { planes, tally: census.tally })
     }
 

@@ -5,7 +5,8 @@ use std::ops::Range;
 use exr::meta::attribute::{ChannelList, SampleType};
 use half::f16;
 
-use crate::frames::census::{Sample, widen};
+use crate::frames::census::widen;
+use crate::light::Sample;
 
 /// Where the samples of a channel lie in a row of a block, and what they are.
 #[derive(Clone, Copy, Debug)]

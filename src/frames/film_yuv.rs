@@ -84,6 +84,11 @@ impl Layout {
         (samples + alpha * luma) * self.bytes_per_sample()
     }
 
+    /// Bits of a code.
+    pub fn bits(&self) -> u32 {
+        self.bits
+    }
+
     fn bytes_per_sample(&self) -> usize {
         if self.bits > 8 { 2 } else { 1 }
     }

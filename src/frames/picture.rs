@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::colour::Primaries;
 use crate::error::{Error, Result};
-use crate::frames::census::{Census, Mending, Sample, verdict};
+use crate::frames::census::{Census, Mending, verdict};
 use crate::frames::memory;
 use crate::frames::options::ReadOptions;
 use crate::frames::transfer::Transfer;
-use crate::light::{Frame, Planes, Samples};
+use crate::light::{Frame, Planes, Sample, Samples};
 use crate::spectrum::Bands;
 use crate::units::Nits;
 
@@ -146,7 +146,7 @@ pub(super) fn examined(
 /// Planes to decode into: recycled ones where they fit, dark where nothing will be written.
 pub(super) fn canvas<T: Sample>(recycled: Option<Planes>, length: usize, covered: bool) -> Vec<T> {
     let fitting = recycled
-        .and_then(|planes| T::from_samples(planes.samples))
+        .and_then(|planes| T::taken(planes.samples))
         .filter(|samples| samples.len() == length);
     let Some(mut samples) = fitting else { return vec![T::default(); length] };
     if !covered {

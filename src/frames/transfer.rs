@@ -61,7 +61,9 @@ impl Transfer {
     pub fn shown(self, rgb: [f32; 3]) -> [f32; 3] {
         let Transfer::Hlg(peak) = self else { return rgb };
         let y = 0.2627 * rgb[0] + 0.6780 * rgb[1] + 0.0593 * rgb[2];
-        let gain = y.powf(system_gamma(peak.unwrap_or(REFERENCE_PEAK)) as f32 - 1.0);
+        // Below 177 cd/m2 the power is negative, and black is black all the same.
+        let power = system_gamma(peak.unwrap_or(REFERENCE_PEAK)) as f32 - 1.0;
+        let gain = if y > 0.0 { y.powf(power) } else { 0.0 };
         rgb.map(|light| light * gain)
     }
 }
@@ -208,6 +210,11 @@ mod tests {
             shown(Transfer::Hlg(Some(1000.0)), [1.0, 0.0, 0.0])[0],
             1000.0 * 0.2627f64.powf(0.2),
             1e-5,
+        );
+        assert_eq!(
+            shown(Transfer::Hlg(Some(100.0)), [0.0; 3]),
+            [0.0; 3],
+            "dim displays show black"
         );
         near(hlg(0.5), 1.0 / 12.0, 1e-12);
         near(hlg(0.5 + 1e-9), 1.0 / 12.0, 1e-6);

@@ -171,8 +171,8 @@ impl Row<'_> {
     }
 }
 
-/// A sample of a picture that can be written.
-pub trait Sample: Copy + Send + Sync {
+/// A sample of a picture: a float or a half.
+pub trait Sample: Copy + Default + Send + Sync {
     /// Samples of this type.
     fn samples(of: Vec<Self>) -> Samples;
 
@@ -181,6 +181,13 @@ pub trait Sample: Copy + Send + Sync {
 
     /// Whether it is neither NaN nor infinite.
     fn is_finite(self) -> bool;
+
+    /// Whether it is below zero, minus zero apart; a NaN may seem so.
+    fn is_negative(self) -> bool;
+
+    fn value(self) -> f32;
+
+    fn from_value(value: f32) -> Self;
 
     /// Stores a row of floats, limited to what the type can hold; returns how many were limited.
     fn store(from: &[f32], to: &mut [Self]) -> u64;
@@ -198,8 +205,23 @@ impl Sample for f32 {
         }
     }
 
+    #[inline(always)]
     fn is_finite(self) -> bool {
         f32::is_finite(self)
+    }
+
+    #[inline(always)]
+    fn is_negative(self) -> bool {
+        self < 0.0
+    }
+
+    #[inline(always)]
+    fn value(self) -> f32 {
+        self
+    }
+
+    fn from_value(value: f32) -> f32 {
+        value
     }
 
     fn store(from: &[f32], to: &mut [f32]) -> u64 {
@@ -220,8 +242,23 @@ impl Sample for f16 {
         }
     }
 
+    #[inline(always)]
     fn is_finite(self) -> bool {
         f16::is_finite(self)
+    }
+
+    #[inline(always)]
+    fn is_negative(self) -> bool {
+        self.to_bits() > 0x8000
+    }
+
+    #[inline(always)]
+    fn value(self) -> f32 {
+        self.to_f32()
+    }
+
+    fn from_value(value: f32) -> f16 {
+        f16::from_f32(value)
     }
 
     fn store(from: &[f32], to: &mut [f16]) -> u64 {
