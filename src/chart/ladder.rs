@@ -172,30 +172,26 @@ fn surveys(scene: &Scene) -> Vec<Arc<Survey>> {
 fn seen(scene: &Scene, model: Model, budget: Option<f64>) -> Result<(Seen, Plan)> {
     let mut eye = eye(scene, model, budget)?;
     let surveys = surveys(scene);
-    let (mut percept, mut costs, mut p) = (None, Vec::new(), Vec::new());
-    for &(picture, dt) in &scene.frames {
+    let frame = |&(picture, dt): &(usize, Seconds)| {
         let planes = &scene.pictures[picture];
-        let survey = &surveys[picture];
-        let stimulus = Stimulus::new(planes, survey);
-        percept.take().into_iter().for_each(|spare| eye.recycle(spare));
-        let begun = Instant::now();
-        let look = eye.look_at(stimulus, gaze(planes), dt);
-        costs.push(1e3 * begun.elapsed().as_secs_f64());
-        p.extend(followed(planes).into_iter().map(|at| eye.fractions_at(&look, at)));
-        percept = Some(look.percept);
-    }
+        (Stimulus::new(planes, &surveys[picture]), gaze(planes), dt)
+    };
     let last = &scene.pictures[scene.frames[scene.frames.len() - 1].0];
     let places = followed(last);
+    let (mut p, mut rgb, mut costs, mut begun) =
+        (Vec::new(), Vec::new(), Vec::new(), Instant::now());
+    eye.watch(scene.frames.iter().map(frame), |eye, look| {
+        costs.push(1e3 * begun.elapsed().as_secs_f64());
+        p.extend(places.iter().map(|&at| eye.fractions_at(look, at)));
+        rgb = places.iter().map(|at| [0, 1, 2].map(|i| look.percept.at(at[0], at[1], i))).collect();
+        begun = Instant::now();
+    });
     let now = &p[p.len() - places.len()..];
-    let catch = places
-        .iter()
-        .zip(now)
-        .map(|(at, p)| scene.vision.catch(&scene.vision.moments(last, at[0], at[1]), *p));
-    let catch: Vec<[f64; 3]> = catch.collect();
-    let rgb = |percept: &Planes| {
-        places.iter().map(|at| [0, 1, 2].map(|i| percept.at(at[0], at[1], i))).collect()
+    let catch = |(at, p): (&[usize; 2], &[f64; 3])| {
+        scene.vision.catch(&scene.vision.moments(last, at[0], at[1]), *p)
     };
-    let colours = shown(scene, &percept.as_ref().map_or(Vec::new(), rgb));
+    let catch: Vec<[f64; 3]> = places.iter().zip(now).map(catch).collect();
+    let colours = shown(scene, &rgb);
     costs.sort_by(f64::total_cmp);
     let cost_ms = costs[costs.len() / 2] / megapixels(last);
     Ok((Seen { p, catch, colours, cost_ms }, eye.plan().clone()))

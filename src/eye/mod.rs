@@ -326,6 +326,20 @@ impl Eye {
         Ok(look)
     }
 
+    /// Looks at frames in turn: each with a gaze, in pixels, and a duration. `each` is shown every
+    /// look, whose percept the next one writes over.
+    pub(crate) fn watch<'a>(
+        &mut self,
+        frames: impl IntoIterator<Item = (Stimulus<'a>, [f64; 2], Seconds)>,
+        mut each: impl FnMut(&Eye, &Look),
+    ) {
+        for (stimulus, gaze, duration) in frames {
+            let look = self.look_at(stimulus, gaze, duration);
+            each(self, &look);
+            self.recycle(look.percept);
+        }
+    }
+
     /// The planes of a frame in memory, projected where it is of bands.
     fn taken_in<T: Sample>(&mut self, frame: ArrayView3<'_, T>) -> Result<Planes> {
         let [width, height] = self.size;

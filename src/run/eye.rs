@@ -74,9 +74,13 @@ impl Watching {
         })
     }
 
-    /// Takes note of a frame that was read for the first time.
-    pub(crate) fn note(&mut self, number: u32, loaded: &Loaded) {
-        self.counters.count(number, loaded.frame.tally);
+    /// Takes note of the next frame, unless its file is the one that was seen last.
+    pub(crate) fn note(&mut self, steps: &[Step], loaded: &Loaded) {
+        let step = &steps[self.done];
+        if self.done > 0 && steps[self.done - 1].file == step.file {
+            return;
+        }
+        self.counters.count(step.number, loaded.frame.tally);
         self.inputs.extend(loaded.input.clone());
         self.timing.decode_s += loaded.took_s;
     }

@@ -216,8 +216,6 @@ fn look_at_all(
 ) -> Result<()> {
     let every = Duration::from_secs_f64(config.settings.output.checkpoint_s);
     let mut last_checkpoint = Instant::now();
-    // The file that was seen last: it was counted then.
-    let mut held: Option<usize> = eye.done.checked_sub(1).map(|last| scene.steps[last].file);
     while eye.done < scene.steps.len() {
         if watch.interrupted() {
             return stopped(scene, eye, &links, watch);
@@ -228,10 +226,7 @@ fn look_at_all(
             Err(RecvTimeoutError::Timeout) => continue,
             Err(RecvTimeoutError::Disconnected) => return Ok(()),
         };
-        if held != Some(step.file) {
-            eye.note(step.number, &loaded);
-            held = Some(step.file);
-        }
+        eye.note(&scene.steps, &loaded);
         if eye.done == 0 {
             let start = eye.at_the_start(&loaded, step)?;
             let Some(()) = links.send(Delivery::Start(Box::new(start))) else { return Ok(()) };

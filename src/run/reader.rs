@@ -88,25 +88,45 @@ impl Sequence<'_> {
     }
 }
 
-/// Reads the file of every step in order, each file that follows itself once, until the eye hangs
-/// up. `spent` holds planes to be written over.
+/// The frames of a sequence in the order of its steps: a file that follows itself is read once.
+pub(crate) struct Frames<'a> {
+    sequence: Sequence<'a>,
+    last: Option<(usize, Arc<Loaded>)>,
+}
+
+impl<'a> Frames<'a> {
+    pub(crate) fn new(sequence: Sequence<'a>) -> Self {
+        Frames { sequence, last: None }
+    }
+
+    /// The frame of a step. `spare`: planes to be written over, if there are any by then.
+    pub(crate) fn of(
+        &mut self,
+        step: &Step,
+        spare: impl FnOnce() -> Option<Planes>,
+    ) -> Result<Arc<Loaded>> {
+        if let Some((_, loaded)) = self.last.as_ref().filter(|(file, _)| *file == step.file) {
+            return Ok(loaded.clone());
+        }
+        // Let go of the frame before, so that its planes can come back to be written over.
+        let before = self.last.take().and_then(|(_, loaded)| Arc::into_inner(loaded));
+        let spare = before.map(|loaded| loaded.frame.planes).or_else(spare);
+        let loaded = Arc::new(read(&mut self.sequence, step, spare)?);
+        self.last = Some((step.file, loaded.clone()));
+        Ok(loaded)
+    }
+}
+
+/// Reads the frame of every step, until the eye hangs up. `spent` holds planes to be written over.
 pub(super) fn read_all(
-    mut sequence: Sequence<'_>,
+    sequence: Sequence<'_>,
     steps: &[Step],
     to_eye: &SyncSender<Result<Arc<Loaded>>>,
     spent: &Receiver<Planes>,
 ) {
-    let mut last: Option<(usize, Arc<Loaded>)> = None;
+    let mut frames = Frames::new(sequence);
     for step in steps {
-        let frame = match &last {
-            Some((file, frame)) if *file == step.file => Ok(frame.clone()),
-            _ => {
-                // Let go of the frame before, so that its planes can come back to be written over.
-                drop(last.take());
-                read(&mut sequence, step, spent.try_recv().ok()).map(Arc::new)
-            }
-        };
-        last = frame.as_ref().ok().map(|frame| (step.file, frame.clone()));
+        let frame = frames.of(step, || spent.try_recv().ok());
         let failed = frame.is_err();
         if to_eye.send(frame).is_err() || failed {
             break;

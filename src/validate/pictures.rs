@@ -132,10 +132,9 @@ impl Stare {
             .build()
     }
 
-    fn look(&self, eye: &mut Eye, seconds: f64) -> Planes {
-        let (planes, survey) = (&self.planes, &self.survey);
-        let stimulus = Stimulus::new(planes, survey);
-        eye.look_at(stimulus, self.gaze(), Seconds(seconds)).percept
+    /// The picture in front of an eye for some seconds.
+    fn look(&self, seconds: f64) -> (Stimulus<'_>, [f64; 2], Seconds) {
+        (Stimulus::new(&self.planes, &self.survey), self.gaze(), Seconds(seconds))
     }
 
     fn gaze(&self) -> [f64; 2] {
@@ -144,17 +143,19 @@ impl Stare {
 
     fn stare(&self, start: f64) -> Result<Found> {
         let mut settled = self.eye(Model::Steady, start)?;
-        let end = self.look(&mut settled, 1.0);
+        let (stimulus, gaze, duration) = self.look(1.0);
+        let end = settled.look_at(stimulus, gaze, duration).percept;
         let steady = settled.retina().fractions();
         let mut eye = self.eye(limit_model(&self.pigments[0]), start)?;
-        let (mut now, mut rate, mut percept) = (0.0, 1.0, 0.0);
-        for time in ENDS {
-            let seen = self.look(&mut eye, time - now);
-            now = time;
+        let (mut time, mut rate, mut percept) = (0.0, 1.0, 0.0);
+        let starts = [0.0].into_iter().chain(ENDS);
+        let looks = ENDS.iter().zip(starts).map(|(end, start)| self.look(end - start));
+        eye.watch(looks, |eye, look| {
+            time += look.duration.0;
             let rates = self.rates(start, time, eye.retina().fractions(), steady);
             rate = worst([rate].into_iter().chain(rates), 1.0);
-            percept = difference(&seen, &end);
-        }
+            percept = difference(&look.percept, &end);
+        });
         let errors = eye.retina().fractions().iter().zip(steady).map(|(p, end)| (p - end).abs());
         Ok(Found { rate, error: worst(errors, 0.0), percept })
     }
