@@ -202,14 +202,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_pupil_mean_has_the_published_values() {
-        // model.md 7, p = 0.05 mm^-2.
-        for (d, expected) in [(2.0, 0.9446), (5.0, 0.7130), (8.0, 0.4568)] {
-            assert!((eta(Reading::Pupil, 0.05, d, 0.0) - expected).abs() < 5e-5);
-        }
-    }
-
-    #[test]
     fn levels_reproduce_the_weight_of_every_wavelength_and_pupil_within_the_bound() {
         for reading in [Reading::Pupil, Reading::Paper { mm_per_degree: 0.29 }] {
             for steepness in

@@ -182,21 +182,6 @@ mod tests {
     }
 
     #[test]
-    fn equal_energy_and_lamps_read_what_a_photometer_reads_but_for_the_observers() {
-        // Own luminance over that of CIE 1931: equal energy and a 2900 K lamp, 2 degrees.
-        let observer = Observer::standard();
-        let planck = |nm: f64| 1.0 / (nm.powi(5) * ((1.438_776_9e7 / (nm * 2900.0)).exp() - 1.0));
-        let read = |light: Curve| {
-            let own = light.times(&observer.luminous_efficiency()).integral();
-            let y = Curve::sampled(|nm| crate::spectrum::CIE1931.interpolated("y", nm));
-            let told = crate::units::LUMENS_PER_WATT * light.times(&y).integral();
-            observer.lumens_per_watt * own / told
-        };
-        assert!((read(Curve::sampled(|_| 1.0)) - 1.0007).abs() < 2e-4);
-        assert!((read(Curve::sampled(planck)) - 0.996).abs() < 1e-3);
-    }
-
-    #[test]
     fn each_narrowed_fundamental_keeps_its_peak_at_one() {
         let mut eye = Observer::standard();
         eye.narrowing = Narrowing::Narrowed;
