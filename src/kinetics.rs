@@ -59,6 +59,22 @@ pub enum Law {
 }
 
 impl Law {
+    /// Every law by its name in configurations and tables, without its constants.
+    pub const NAMES: [(&str, Law); 3] = [
+        ("first-order", Law::FirstOrder),
+        ("self-screened", Law::SelfScreened { density: 0.0, norm: 0.0 }),
+        ("rate-limited", Law::RateLimited { km: 0.0 }),
+    ];
+
+    /// This law with constants: each takes those that it knows of a peak optical density and Km.
+    pub fn with(self, density: f64, km: f64) -> Law {
+        match self {
+            Law::FirstOrder => self,
+            Law::SelfScreened { .. } => Law::self_screened(density),
+            Law::RateLimited { .. } => Law::RateLimited { km },
+        }
+    }
+
     /// Self-screening whose half-bleach light is that of the first-order law.
     pub fn self_screened(density: f64) -> Law {
         Law::SelfScreened { density, norm: 1.0 / mean_decay(0.5 * density * LN_10) }
@@ -245,8 +261,14 @@ fn steady_screened(a: f64, s: f64) -> f64 {
 mod tests {
     use super::*;
 
-    const LAWS: [fn() -> Law; 3] =
-        [|| Law::FirstOrder, || Law::self_screened(0.5), || Law::RateLimited { km: 0.2 }];
+    fn laws() -> impl Iterator<Item = Law> {
+        Law::NAMES.into_iter().map(|(_, law)| law.with(0.5, 0.2))
+    }
+
+    #[test]
+    fn every_law_is_listed_by_its_own_name() {
+        assert!(Law::NAMES.iter().all(|(name, law)| *name == law.name()));
+    }
 
     fn eye(law: Law) -> Kinetics {
         Kinetics { law, half_bleach: Trolands(2e4), tau: Seconds(120.0) }
@@ -254,9 +276,9 @@ mod tests {
 
     #[test]
     fn at_the_steady_state_nothing_changes_under_any_law() {
-        for law in LAWS {
+        for law in laws() {
             for light in [0.0, 1.0, 300.0, 2e4, 1e6, 1e10, 1e12] {
-                let kinetics = eye(law());
+                let kinetics = eye(law);
                 let p = kinetics.steady(Trolands(light));
                 let rates = kinetics.rates(p, Trolands(light));
                 assert!(
@@ -270,15 +292,15 @@ mod tests {
 
     #[test]
     fn infinite_light_leaves_nothing() {
-        for law in LAWS {
-            assert_eq!(eye(law()).steady(Trolands(f64::INFINITY)), 0.0);
+        for law in laws() {
+            assert_eq!(eye(law).steady(Trolands(f64::INFINITY)), 0.0);
         }
     }
 
     #[test]
     fn half_of_the_pigment_is_gone_at_the_half_bleach_light() {
-        for law in LAWS {
-            let kinetics = eye(law());
+        for law in laws() {
+            let kinetics = eye(law);
             assert!((kinetics.steady(kinetics.half_bleach_light()) - 0.5).abs() < 1e-15);
         }
         assert!((eye(Law::self_screened(0.5)).half_bleach_light().0 - 2e4).abs() < 1e-8);
@@ -288,9 +310,9 @@ mod tests {
 
     #[test]
     fn the_slope_is_the_derivative_of_the_change() {
-        for law in LAWS {
+        for law in laws() {
             for p in [0.1, 0.5, 0.9] {
-                let (kinetics, light, d) = (eye(law()), Trolands(1e6), 1e-5);
+                let (kinetics, light, d) = (eye(law), Trolands(1e6), 1e-5);
                 let measured =
                     (kinetics.change(p + d, light) - kinetics.change(p - d, light)) / (2.0 * d);
                 assert!((measured / kinetics.slope(p, light) - 1.0).abs() < 1e-8);
@@ -300,8 +322,7 @@ mod tests {
 
     #[test]
     fn recovery_takes_as_long_as_the_law_integrated_in_fine_steps() {
-        let laws = [Law::FirstOrder, Law::self_screened(0.5), Law::RateLimited { km: 0.2 }];
-        for law in laws {
+        for law in laws() {
             let pigment = Kinetics { law, half_bleach: Trolands(2e4), tau: Seconds(90.0) };
             let (mut p, mut time, h) = (0.1, 0.0, 1e-3);
             while p < 0.95 {

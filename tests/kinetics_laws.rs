@@ -6,11 +6,9 @@ use sungaze::step::{advance, enclosed, enclosed_within, substeps_for};
 use sungaze::units::{Seconds, Trolands};
 
 fn kinetics() -> impl Strategy<Value = Kinetics> {
-    let law = prop_oneof![
-        Just(Law::FirstOrder),
-        (0.05..1.0).prop_map(Law::self_screened),
-        (0.2..1.0).prop_map(|km| Law::RateLimited { km })
-    ];
+    let names = prop::sample::select(&Law::NAMES[..]);
+    let law = (names, 0.05..1.0, 0.2..1.0)
+        .prop_map(|((_, law), density, km): ((&str, Law), f64, f64)| law.with(density, km));
     (law, 3.5..5.3, 60.0..400.0).prop_map(|(law, log_half_bleach, tau): (Law, f64, f64)| Kinetics {
         law,
         half_bleach: Trolands(10f64.powf(log_half_bleach)),

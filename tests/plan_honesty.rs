@@ -40,11 +40,8 @@ struct Scene {
 }
 
 fn scene(chance: &mut Chance) -> Scene {
-    let law = match (chance.unit() * 3.0) as u32 {
-        0 => Law::FirstOrder,
-        1 => Law::self_screened(0.4),
-        _ => Law::RateLimited { km: 0.2 },
-    };
+    let (_, law) = Law::NAMES[(chance.unit() * Law::NAMES.len() as f64) as usize];
+    let law = law.with(0.4, 0.2);
     let pigment =
         |log: f64| Kinetics { law, half_bleach: Trolands(10f64.powf(log)), tau: Seconds(120.0) };
     let (dimmest, decades) = (chance.between(0.0, 8.0), chance.between(0.1, 2.0));

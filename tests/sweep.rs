@@ -102,19 +102,15 @@ fn every_duration_has_the_closed_form_of_the_light_that_it_reports() {
 
 #[test]
 fn the_nonlinear_laws_stay_within_budget_of_a_thousand_substeps() {
-    for law in ["self-screened", "rate-limited"] {
+    for (name, law) in &Law::NAMES[1..] {
         let rows = table(&format!(
-            "{SMALL}durations_s = [0.03, 1, 2, 40, 200, 1e4]\n[observer]\nkinetics = \"{law}\"\n[[sweep.vary]]\nkey = \"gaze.at\"\nvalues = [[0.5, 0.5], [0.1, 0.1]]\n"
+            "{SMALL}durations_s = [0.03, 1, 2, 40, 200, 1e4]\n[observer]\nkinetics = \"{name}\"\n[[sweep.vary]]\nkey = \"gaze.at\"\nvalues = [[0.5, 0.5], [0.1, 0.1]]\n"
         ));
         let density = [0.50, 0.50, 0.40];
         for row in &rows {
             let (light, p) = (triple(row, "I"), triple(row, "p"));
             for k in 0..3 {
-                let law = if law == "self-screened" {
-                    Law::self_screened(density[k])
-                } else {
-                    Law::RateLimited { km: 0.2 }
-                };
+                let law = law.with(density[k], 0.2);
                 let half_bleach = Trolands([10f64.powf(4.3), 10f64.powf(4.3), 1e5][k]);
                 let pigment = Kinetics { law, half_bleach, tau: Seconds(120.0) };
                 let truth = finely(&pigment, light[k], row["duration_s"]);

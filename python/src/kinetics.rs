@@ -125,15 +125,11 @@ fn law_of(name: &str, optical_density: f64, km: f64) -> PyResult<Law> {
         true => Ok(value),
         false => Err(refused(name, value, "a finite number above 0")),
     };
-    match name {
-        "first-order" => Ok(Law::FirstOrder),
-        "self-screened" => Ok(Law::self_screened(positive("optical_density", optical_density)?)),
-        "rate-limited" => Ok(Law::RateLimited { km: positive("km", km)? }),
-        _ => {
-            let accepted = "first-order, self-screened, rate-limited";
-            Err(refused("law", format!("{name:?}"), accepted))
-        }
-    }
+    let Some((_, law)) = Law::NAMES.iter().find(|(of, _)| *of == name) else {
+        let accepted = Law::NAMES.map(|(name, _)| name).join(", ");
+        return Err(refused("law", format!("{name:?}"), &accepted));
+    };
+    Ok(law.with(positive("optical_density", optical_density)?, positive("km", km)?))
 }
 
 fn is_light(td: f64) -> bool {

@@ -2,6 +2,7 @@
 
 use crate::plot::palette::{BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, VERMILION};
 use crate::plot::{Anchor, Ink, Marker, Sheet};
+use crate::step::METHODS;
 
 /// Explicit methods are warm, implicit ones cool, exponential ones dark.
 pub(super) fn of_method(name: &str) -> (Ink, Marker) {
@@ -22,29 +23,23 @@ pub(super) fn of_method(name: &str) -> (Ink, Marker) {
         "magnus-4" => (PURPLE, Marker::Triangle),
         "exponential-rosenbrock" => (PURPLE, Marker::Square),
         "ramp" => (GREY, Marker::Diamond),
-        _ => (BLACK, Marker::Star),
+        "exact" => (BLACK, Marker::Star),
+        _ => (GREY, Marker::Ring),
     }
 }
 
-/// Methods that are drawn; the CSV has all of them.
-pub(super) const DRAWN: [&str; 12] = [
-    "forward-euler",
-    "heun",
-    "rk4",
-    "dopri5-adaptive",
-    "backward-euler",
-    "trapezoid",
-    "tr-bdf2",
-    "lobatto-iiic-2",
-    "radau-iia-5",
-    "ros2",
-    "rodas4",
-    "exact",
-];
+/// Methods that are not drawn: their points lie upon those of others. The CSV has all of them.
+const HIDDEN: [&str; 5] =
+    ["dopri5", "exponential-euler", "magnus-4", "exponential-rosenbrock", "ramp"];
+
+/// Names of the methods that are drawn.
+pub(super) fn drawn() -> Vec<&'static str> {
+    METHODS.iter().map(|method| method.name).filter(|name| !HIDDEN.contains(name)).collect()
+}
 
 /// Names and marks of the drawn methods, in two rows.
 pub(super) fn key(sheet: &mut Sheet, top: f64) {
-    for (i, name) in DRAWN.into_iter().enumerate() {
+    for (i, name) in drawn().into_iter().enumerate() {
         let at = (60.0 + 158.0 * (i % 6) as f64, top + 24.0 * (i / 6) as f64);
         let (ink, marker) = of_method(name);
         sheet.mark(at, marker, if marker == Marker::Star { 6.0 } else { 4.6 }, ink);

@@ -1,6 +1,6 @@
 //! The sheet of six panels: time per update against error, failures on a rail of their own.
 
-use super::methods::{DRAWN, key, of_method};
+use super::methods::{drawn as methods, key, of_method};
 use super::work::{BUDGET, Failure, Point};
 use crate::plot::palette::{BLACK, GREY, PALE_GREEN, PALE_RED, VERMILION, WHITE};
 use crate::plot::{Anchor, Axis, Ink, Marker, Panel, Sheet};
@@ -57,10 +57,10 @@ fn draw_view(sheet: &mut Sheet, view: &View, points: &[Point], at: (f64, f64)) {
     let shown: Vec<&Point> = points.iter().filter(is_shown).collect();
     let fails =
         |name: &str| shown.iter().any(|point| point.method.name == name && point.failure.is_some());
-    let failing = DRAWN.iter().filter(|name| fails(name)).count();
+    let failing = methods().into_iter().filter(|name| fails(name)).count();
     let apart = f64::min(11.5, (WIDTHS[1] - 16.0) / failing.max(2) as f64);
     let mut lane = panel.right() + 9.0;
-    for name in DRAWN {
+    for name in methods() {
         draw_method(sheet, &panel, view, &shown, lane, name);
         lane += if fails(name) { apart } else { 0.0 };
     }
@@ -157,8 +157,9 @@ fn draw_failures(sheet: &mut Sheet, panel: &Panel, x: f64, failures: &[(f64, Fai
 }
 
 fn ring_the_cheapest(sheet: &mut Sheet, panel: &Panel, view: &View, shown: &[&Point]) {
+    let methods = methods();
     let drawn =
-        shown.iter().filter(|point| DRAWN.contains(&point.method.name) && point.keeps_budget());
+        shown.iter().filter(|point| methods.contains(&point.method.name) && point.keeps_budget());
     let Some(best) = drawn.min_by(|a, b| a.ns_per_update.total_cmp(&b.ns_per_update)) else {
         return;
     };

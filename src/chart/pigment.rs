@@ -228,7 +228,7 @@ mod tests {
 
     #[test]
     fn every_law_comes_to_rest_at_its_steady_state() {
-        for law in [Law::FirstOrder, Law::self_screened(0.5), Law::RateLimited { km: 0.2 }] {
+        for law in Law::NAMES.map(|(_, law)| law.with(0.5, 0.2)) {
             let kinetics = Kinetics { law, ..Kinetics::standard()[0] };
             let receptor = Receptor { name: "L".to_owned(), kinetics, ink: BLACK };
             for light in [1e4, 1e6] {

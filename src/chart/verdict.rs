@@ -42,7 +42,8 @@ const COLUMNS: [(&str, &str, [&str; 2]); 10] = [
     ("time-lapse", "rate-limited", ["lapse, rate", "limited"]),
 ];
 
-const ROW: f64 = 25.0;
+/// Height of a method's row.
+pub(super) const ROW: f64 = 25.0;
 const COLUMN: f64 = 80.0;
 const LEFT: f64 = 180.0;
 

@@ -73,10 +73,10 @@ impl Point {
     }
 }
 
-/// The laws with the constants of the `standard` set: half-bleach 2e4 td, 120 s; density 0.5, Km
+/// Every law with the constants of the `standard` set: half-bleach 2e4 td, 120 s; density 0.5, Km
 /// 0.2.
-pub(super) fn laws() -> [Kinetics; 3] {
-    let laws = [Law::FirstOrder, Law::self_screened(0.5), Law::RateLimited { km: 0.2 }];
+pub(super) fn laws() -> impl Iterator<Item = Kinetics> {
+    let laws = Law::NAMES.into_iter().map(|(_, law)| law.with(0.5, 0.2));
     laws.map(|law| Kinetics { law, half_bleach: Trolands(2e4), tau: Seconds(120.0) })
 }
 

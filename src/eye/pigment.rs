@@ -185,12 +185,8 @@ mod tests {
 
     #[test]
     fn no_light_and_no_step_asks_for_more_substeps_than_are_tried() {
-        let laws = [
-            Law::self_screened(0.3),
-            Law::self_screened(0.5),
-            Law::RateLimited { km: 0.05 },
-            Law::RateLimited { km: 0.2 },
-        ];
+        let laws = Law::NAMES[1..].iter();
+        let laws = laws.flat_map(|(_, law)| [law.with(0.3, 0.05), law.with(0.5, 0.2)]);
         let grid = |from: i32, to: i32| (from..=to).map(|log| 10f64.powf(f64::from(log) / 4.0));
         for law in laws {
             let pigment = Kinetics { law, half_bleach: Trolands(2e4), tau: Seconds(120.0) };

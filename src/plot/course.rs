@@ -81,7 +81,7 @@ mod tests {
     /// Beside Radau IIA of order 5 in small steps.
     #[test]
     fn the_courses_of_the_other_laws_are_true_to_a_thousandth() {
-        let laws = [Law::self_screened(0.5), Law::RateLimited { km: 0.2 }];
+        let laws = Law::NAMES[1..].iter().map(|(_, law)| law.with(0.5, 0.2));
         let radau = step::Method::named("radau-iia-5").unwrap();
         for law in laws {
             let kinetics = Kinetics { law, half_bleach: Trolands(2e4), tau: Seconds(120.0) };

@@ -224,11 +224,8 @@ mod tests {
     use proptest::prelude::*;
 
     fn laws() -> impl Strategy<Value = Law> {
-        prop_oneof![
-            Just(Law::FirstOrder),
-            (0.1..0.6).prop_map(Law::self_screened),
-            (0.05..1.0).prop_map(|km| Law::RateLimited { km })
-        ]
+        let names = prop::sample::select(&Law::NAMES[..]);
+        (names, 0.1..0.6, 0.05..1.0).prop_map(|((_, law), density, km)| law.with(density, km))
     }
 
     proptest! {
