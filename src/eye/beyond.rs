@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::pigment::PigmentStep;
-use crate::kernel::{self, Between};
+use crate::kernel::{self, Between, TILE};
 use crate::optics::Extent;
 
 /// Three values wherever there is no sample.
@@ -69,24 +69,33 @@ impl<T: Between> Grid<T> {
     /// The `k`th of the three at a place, in pixels of the picture.
     pub(super) fn at(&self, [x, y]: [f64; 2], k: usize) -> T {
         let ((column, u), (row, v)) = (self.cell(x, 0), self.cell(y, 1));
-        self.corners([column, row], k).at(u, v)
+        let next = (column + 1).min(self.extent.size[0] - 1);
+        let [left, right] = [column, next].map(|column| self.value(column, (row, v), k));
+        left.between(right, u)
     }
 
-    /// The same along a row, from a place on, cell by cell.
+    /// The same along a row, from a place on: at most [`TILE`] places.
     fn fill(&self, [x, y]: [f64; 2], k: usize, out: &mut [T]) {
-        let (row, v) = self.cell(y, 1);
-        let mut from = 0;
-        while from < out.len() {
-            let (column, _) = self.cell(x + from as f64, 0);
-            let corners = self.corners([column, row], k);
-            let end = (self.place(column + 1, 0) - x).ceil() as usize;
-            let is_last = column + 1 >= self.extent.size[0];
-            let end = if is_last { out.len() } else { end.clamp(from + 1, out.len()) };
-            for (i, out) in out[from..end].iter_mut().enumerate() {
-                *out = corners.at(self.cells(x + (from + i) as f64, 0) - column as f64, v);
-            }
-            from = end;
+        let (row, [first, last]) = (self.cell(y, 1), [0, self.extent.size[0] - 1]);
+        let end = |cell: usize| ((self.place(cell, 0) - x).ceil().max(0.0) as usize).min(out.len());
+        let [left, right] = [end(first), end(last)];
+        let (before, rest) = out.split_at_mut(left);
+        let (lines, after) = rest.split_at_mut(right - left);
+        before.fill(self.value(first, row, k));
+        after.fill(self.value(last, row, k));
+        if lines.is_empty() {
+            return;
         }
+        let place = x + left as f64;
+        let (column, _) = self.cell(place, 0);
+        let mut samples = [lines[0]; TILE + 2];
+        let behind = column + lines.len().div_ceil(self.extent.cell) + 1;
+        let columns = column..behind.min(last) + 1;
+        let (count, v) = (columns.len(), row.1);
+        let [above, below] = self.rows(row.0, k).map(|row| &row[columns.clone()]);
+        kernel::between(above, below, [0.0, v], &mut samples[..count]);
+        let offset = place - self.place(column, 0);
+        kernel::ramps(&samples, self.extent.cell, offset, lines);
     }
 
     /// A place along one axis, counted in cells.
@@ -106,25 +115,23 @@ impl<T: Between> Grid<T> {
         self.extent.cell as f64 * (cell as f64 - self.extent.before[axis] as f64)
     }
 
-    fn corners(&self, [column, row]: [usize; 2], k: usize) -> Corners<T> {
-        let [width, height] = self.extent.size;
-        let (next, below) = ((column + 1).min(width - 1), (row + 1).min(height - 1));
-        let value = |x: usize, y: usize| self.samples[(3 * y + k) * width + x];
-        Corners([
-            [value(column, row), value(next, row)],
-            [value(column, below), value(next, below)],
-        ])
+    /// The value of a column, `v` of the way down from a row to the next.
+    fn value(&self, column: usize, (row, v): (usize, f64), k: usize) -> T {
+        let [above, below] = self.rows(row, k);
+        above[column].between(below[column], v)
     }
-}
 
-/// What lies around a cell: two values above, two below.
-struct Corners<T>([[T; 2]; 2]);
+    /// All columns at a place between two rows, counted in cells.
+    fn line(&self, row: f64, k: usize, out: &mut [T]) {
+        let row = row.clamp(0.0, (self.extent.size[1] - 1) as f64);
+        let [above, below] = self.rows(row as usize, k);
+        kernel::between(above, below, [0.0, row - row.floor()], out);
+    }
 
-impl<T: Between> Corners<T> {
-    #[inline(always)]
-    fn at(&self, u: f64, v: f64) -> T {
-        let [above, below] = self.0.map(|[left, right]| left.between(right, u));
-        above.between(below, v)
+    /// A row and the next, of one run of the three.
+    fn rows(&self, row: usize, k: usize) -> [&[T]; 2] {
+        let [width, height] = self.extent.size;
+        [row, (row + 1).min(height - 1)].map(|row| &self.samples[(3 * row + k) * width..][..width])
     }
 }
 
@@ -141,17 +148,28 @@ impl Grid<f64> {
     /// Moves the pigment of every cell by the light, td, that it sees when the gaze has moved by
     /// `shift` pixels.
     pub(super) fn advance(&mut self, step: &PigmentStep, light: &Grid<f32>, shift: [f64; 2]) {
-        let Extent { size: [width, _], cell, before } = self.extent;
-        let place =
-            |i: usize, axis: usize| cell as f64 * (i as f64 - before[axis] as f64) + shift[axis];
+        let (width, cell) = (self.extent.size[0], self.extent.cell as f64);
+        let [x, y] = shift.map(|pixels| pixels / cell);
+        let (first, u) = (x.floor() as i64, x - x.floor());
+        // Cells that see what lies between two others.
+        let from = (-first).clamp(0, width as i64);
+        let to = (width as i64 - 1 - first).clamp(from, width as i64);
+        let (inside, seen) = (from as usize..to as usize, (from + first).max(0) as usize);
         self.samples.par_chunks_exact_mut(width).enumerate().for_each_init(
-            || vec![0.0; width],
-            |td, (row, p)| {
-                let (y, k) = (place(row / 3, 1), row % 3);
-                for (x, td) in td.iter_mut().enumerate() {
-                    *td = light.at([place(x, 0), y], k);
+            || (vec![0.0; width], vec![0.0; width]),
+            |(line, td), (row, p)| {
+                light.line((row / 3) as f64 + y, row % 3, line);
+                td[..inside.start].fill(line[0]);
+                td[inside.end..].fill(line[width - 1]);
+                if !inside.is_empty() {
+                    kernel::between(
+                        &line[seen..],
+                        &line[seen..],
+                        [u, 0.0],
+                        &mut td[inside.clone()],
+                    );
                 }
-                step.cone(k, td, p);
+                step.cone(row % 3, td, p);
             },
         );
     }
@@ -171,9 +189,33 @@ impl Grid<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::eye::pigment::Model;
+    use crate::kinetics::Kinetics;
+    use crate::step;
+    use crate::units::{Seconds, Trolands};
     use proptest::prelude::*;
 
     proptest! {
+        #[test]
+        fn every_cell_sees_the_light_of_its_own_place(x in -120.0..120.0, y in -70.0..70.0, whole in any::<bool>()) {
+            let extent = Extent { size: [9, 5], cell: 8, before: [3, 2] };
+            let mut light = Grid::alike(extent, [0.0f32; 3]);
+            (0..).zip(&mut light.samples).for_each(|(i, v)| *v = 1e5 * (1.1 + (i as f32).sin()));
+            let shift = if whole { [8.0 * f64::round(x / 8.0), y] } else { [x, y] };
+            let pigments = [Kinetics::first_order(Trolands(2e4), Seconds(120.0)); 3];
+            let model = Model::Tracked { method: step::EXACT, substeps: 0, budget: 1e-3 };
+            let step = PigmentStep::new(pigments, model, Seconds(3.0));
+            let mut grid = Grid::alike(extent, [1.0; 3]);
+            grid.advance(&step, &light, shift);
+            for (i, p) in grid.samples.iter().enumerate() {
+                let (column, row, k) = (i % 9, i / 27, i / 9 % 3);
+                let place = [grid.place(column, 0) + shift[0], grid.place(row, 1) + shift[1]];
+                let mut expected = [1.0];
+                step.cone(k, &[light.at(place, k)], &mut expected);
+                prop_assert!((p - expected[0]).abs() < 1e-7, "{column} {row} {k}");
+            }
+        }
+
         #[test]
         fn a_run_is_its_places(x in -90.0..90.0, y in -50.0..50.0, whole in any::<bool>()) {
             let extent = Extent { size: [9, 5], cell: 8, before: [3, 2] };

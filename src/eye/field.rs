@@ -21,7 +21,13 @@ impl<T: Between> Field<'_, T> {
     pub(super) fn resample(&self, from: [f64; 2], out: [&mut [T]; 3]) {
         let at = from.map(|v| v.floor() as i64);
         let share = [0, 1].map(|i| from[i] - from[i].floor());
+        let rows = at[1]..=at[1] + i64::from(share[1] > 0.0);
+        let outside = *rows.end() < 0 || *rows.start() >= self.height as i64;
         for (k, out) in out.into_iter().enumerate() {
+            if outside {
+                self.around.fill(from, k, out);
+                continue;
+            }
             let inside = self.inside(at[0], share[0], out.len());
             self.around.fill(from, k, &mut out[..inside.start]);
             let behind = [from[0] + inside.end as f64, from[1]];
@@ -46,28 +52,35 @@ impl<T: Between> Field<'_, T> {
         first as usize..(last - left).clamp(first, length as i64) as usize
     }
 
-    /// A run of one plane that lies inside.
-    fn run(&self, at: [i64; 2], [u, v]: [f64; 2], k: usize, out: &mut [T]) {
-        self.line(at, u, k, out);
-        if v > 0.0 {
-            let Some(&any) = out.first() else { return };
-            let (mut room, mut above) = ([any; TILE], [any; TILE]);
-            let (below, above) = (&mut room[..out.len()], &mut above[..out.len()]);
-            self.line([at[0], at[1] + 1], u, k, below);
-            above.copy_from_slice(out);
-            kernel::between(above, below, v, out);
+    /// A run of one plane whose columns lie inside.
+    fn run(&self, [x, y]: [i64; 2], share: [f64; 2], k: usize, out: &mut [T]) {
+        let Some(&any) = out.first() else { return };
+        let rows = [y, y + 1].map(|y| self.row(x, y, k));
+        match (rows, share) {
+            ([Some(above), _], [_, 0.0]) => kernel::between(above, above, share, out),
+            ([Some(above), Some(below)], _) => kernel::between(above, below, share, out),
+            // At the upper or lower edge.
+            _ => {
+                let mut room = [[any; TILE]; 2];
+                let [above, below] = room.each_mut().map(|row| &mut row[..out.len()]);
+                self.line([x, y], share[0], k, above);
+                self.line([x, y + 1], share[0], k, below);
+                kernel::between(above, below, [0.0, share[1]], out);
+            }
         }
     }
 
-    /// A run of one row of one plane.
+    /// The samples of one row of one plane from a column on, if there is such a row.
+    fn row(&self, x: i64, y: i64, k: usize) -> Option<&[T]> {
+        let y = usize::try_from(y).ok().filter(|&y| y < self.height)?;
+        self.samples[(y * 3 + k) * self.width..][..self.width].get(x as usize..)
+    }
+
+    /// A run of one row of one plane, inside or outside.
     fn line(&self, [x, y]: [i64; 2], u: f64, k: usize, out: &mut [T]) {
-        if y < 0 || y >= self.height as i64 || out.is_empty() {
-            return self.around.fill([x as f64 + u, y as f64], k, out);
-        }
-        let samples = &self.samples[(y as usize * 3 + k) * self.width..][x as usize..];
-        match u {
-            0.0 => out.copy_from_slice(&samples[..out.len()]),
-            u => kernel::between(&samples[..out.len()], &samples[1..][..out.len()], u, out),
+        match self.row(x, y, k) {
+            Some(row) => kernel::between(row, row, [u, 0.0], out),
+            None => self.around.fill([x as f64 + u, y as f64], k, out),
         }
     }
 

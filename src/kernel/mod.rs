@@ -20,7 +20,7 @@ mod pigment;
 mod sums;
 
 pub use bands::BandSums;
-pub use between::{Between, between};
+pub use between::{Between, between, ramps};
 pub use catch::{CatchForm, PlanesForm, catch, single};
 pub use curve::Curve;
 pub use decay::{ERROR, LONGEST, decay, mean_decay_short};
