@@ -1,7 +1,7 @@
 //! Three by three matrices between colour spaces.
 
 /// A matrix, rows first.
-pub type Matrix = [[f64; 3]; 3];
+pub(crate) type Matrix = [[f64; 3]; 3];
 
 /// The identity.
 pub(crate) const IDENTITY: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -80,12 +80,12 @@ pub(crate) fn product(a: &Matrix, b: &Matrix) -> Matrix {
 }
 
 /// Every entry times a number.
-pub fn scaled(m: &Matrix, factor: f64) -> Matrix {
+pub(crate) fn scaled(m: &Matrix, factor: f64) -> Matrix {
     m.map(|row| row.map(|v| v * factor))
 }
 
 /// The inverse; entries are not finite if there is none.
-pub fn inverse(m: &Matrix) -> Matrix {
+pub(crate) fn inverse(m: &Matrix) -> Matrix {
     let minor = |i: usize, j: usize| {
         let (a, b) = ((i + 1) % 3, (i + 2) % 3);
         let (c, d) = ((j + 1) % 3, (j + 2) % 3);
@@ -119,7 +119,7 @@ pub fn to_rec709(primaries: &Primaries) -> Option<Matrix> {
 }
 
 /// Chromaticity x, y of XYZ; NaN in the dark.
-pub fn chromaticity(xyz: [f64; 3]) -> [f64; 2] {
+pub(crate) fn chromaticity(xyz: [f64; 3]) -> [f64; 2] {
     let sum: f64 = xyz.iter().sum();
     [xyz[0] / sum, xyz[1] / sum]
 }

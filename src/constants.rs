@@ -4,18 +4,18 @@
 
 /// A named set. L, M, S in that order.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ConstantSet {
-    pub name: &'static str,
+pub(crate) struct ConstantSet {
+    pub(crate) name: &'static str,
     /// log10 of the light, td, that keeps half of the pigment bleached (rate-limited: log10 of
     /// Q/tau).
-    pub half_bleach_log_td: [f64; 3],
+    pub(crate) half_bleach_log_td: [f64; 3],
     /// Time constant of regeneration, s.
-    pub tau_s: [f64; 3],
+    pub(crate) tau_s: [f64; 3],
     /// `first-order` or `rate-limited`.
-    pub law: &'static str,
+    pub(crate) law: &'static str,
     /// Saturation of the rate-limited law; unused by the other.
-    pub km: f64,
-    pub source: &'static str,
+    pub(crate) km: f64,
+    pub(crate) source: &'static str,
 }
 
 const fn first_order(
@@ -30,7 +30,7 @@ const fn first_order(
 /// Every set that `observer.constants` knows. Where a source gives no S cone, S has equal
 /// photosensitivity per molecule: its half-bleach light is larger by the ratio of one cone
 /// troland's quanta, about 0.7 in log10.
-pub const CONSTANTS: &[ConstantSet] = &[
+pub(crate) const CONSTANTS: &[ConstantSet] = &[
     first_order(
         "standard",
         [4.3, 4.3, 5.0],
@@ -79,15 +79,15 @@ pub const CONSTANTS: &[ConstantSet] = &[
 
 /// Rods, for `validate` and the pigment chart: log10 of scotopic trolands, and s (paper Table 1;
 /// Rushton 1972 via CVRL).
-pub const RODS: (f64, f64) = (4.4, 400.0);
+pub(crate) const RODS: (f64, f64) = (4.4, 400.0);
 
 /// The set of a name.
-pub fn named(name: &str) -> Option<&'static ConstantSet> {
+pub(crate) fn named(name: &str) -> Option<&'static ConstantSet> {
     CONSTANTS.iter().find(|set| set.name == name)
 }
 
 /// The set where none is named.
-pub const STANDARD: &ConstantSet = &CONSTANTS[0];
+pub(crate) const STANDARD: &ConstantSet = &CONSTANTS[0];
 
 #[cfg(test)]
 mod tests {

@@ -36,12 +36,12 @@ impl Error {
     }
 
     /// A file that cannot be used.
-    pub fn file(path: impl AsRef<Path>, problem: impl Into<String>) -> Self {
+    pub(crate) fn file(path: impl AsRef<Path>, problem: impl Into<String>) -> Self {
         Error::File { path: path.as_ref().to_owned(), problem: problem.into() }
     }
 
     /// A frame, a gaze or a state in memory that cannot be used.
-    pub fn light(problem: impl Into<String>) -> Self {
+    pub(crate) fn light(problem: impl Into<String>) -> Self {
         Error::Light(problem.into())
     }
 

@@ -28,17 +28,17 @@ pub struct Rates {
 
 impl Rates {
     /// lambda, the rate at which pigment approaches [`Rates::rest`], 1/s.
-    pub fn sum(self) -> f64 {
+    pub(crate) fn sum(self) -> f64 {
         self.regenerate + self.bleach
     }
 
     /// Where pigment would settle if these rates lasted; 0 under infinite light.
-    pub fn rest(self) -> f64 {
+    pub(crate) fn rest(self) -> f64 {
         self.regenerate / self.sum()
     }
 
     /// dp/dt, 1/s.
-    pub fn change(self, p: f64) -> f64 {
+    pub(crate) fn change(self, p: f64) -> f64 {
         self.regenerate * (1.0 - p) - self.bleach * p
     }
 }
@@ -81,7 +81,7 @@ impl Law {
     }
 
     /// The name in configurations and tables.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Law::FirstOrder => "first-order",
             Law::SelfScreened { .. } => "self-screened",
@@ -90,7 +90,7 @@ impl Law {
     }
 
     /// dp/dt in one line, for tables. I: cone illuminance, td.
-    pub fn formula(self) -> &'static str {
+    pub(crate) fn formula(self) -> &'static str {
         match self {
             Law::FirstOrder => "tau dp/dt = 1 - p - (I/I0) p",
             Law::SelfScreened { .. } => {
@@ -113,7 +113,7 @@ pub struct Kinetics {
 
 /// How dp/dt bends over p from 0 to 1, under any light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Curvature {
+pub(crate) enum Curvature {
     Straight,
     Convex,
     Concave,
@@ -156,7 +156,7 @@ impl Kinetics {
 
     /// The most by which a relative error of p can grow, however long: pigment that is screened by
     /// what lies before it bleaches faster, the less there is. 1 for the other laws.
-    pub fn growth(&self) -> f64 {
+    pub(crate) fn growth(&self) -> f64 {
         let [none, whole] = [0.0, 1.0].map(|p| self.rates(p, self.half_bleach).bleach);
         none / whole
     }
@@ -167,7 +167,7 @@ impl Kinetics {
     /// tau ln(B0/B)                                         regeneration at 1/tau
     /// tau (B0 - B + Km ln(B0/B))/(1 + Km)                  rate-limited
     /// ```
-    pub fn recovery(&self, p: f64, target: f64) -> Seconds {
+    pub(crate) fn recovery(&self, p: f64, target: f64) -> Seconds {
         if p >= target {
             return Seconds(0.0);
         }
@@ -185,7 +185,7 @@ impl Kinetics {
     }
 
     /// d(dp/dt)/dp, 1/s: how fast neighbouring histories approach each other. Always negative.
-    pub fn slope(&self, p: f64, light: Trolands) -> f64 {
+    pub(crate) fn slope(&self, p: f64, light: Trolands) -> f64 {
         let (rest, bleach) = (1.0 / self.tau.0, self.unscreened(light));
         match self.law {
             Law::FirstOrder => -(rest + bleach),
@@ -197,7 +197,7 @@ impl Kinetics {
     }
 
     /// The sign of the second derivative of dp/dt by p, on which an enclosure rests.
-    pub fn curvature(&self) -> Curvature {
+    pub(crate) fn curvature(&self) -> Curvature {
         match self.law {
             Law::FirstOrder => Curvature::Straight,
             Law::SelfScreened { .. } => Curvature::Convex,

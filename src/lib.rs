@@ -52,7 +52,7 @@
 //! | [`units`], [`error`], [`text`] | one-field unit types; the one error enum; text for people | |
 //! | [`spectrum`], [`colour`] | wavelengths and tables; primaries and 3x3 matrices | a published table: a CSV in `data/` and a line in [`spectrum`] |
 //! | [`light`] | planes, rows and tiles of a frame, its luminances | |
-//! | [`constants`] | published constants by name | a row |
+//! | `constants` | published constants by name | a row |
 //! | [`observer`] | fundamentals, pupil, Stiles-Crawford effect | a pupil formula: a variant of [`observer::Rule`] |
 //! | [`kinetics`] | the laws, as two rates | a variant of [`kinetics::Law`] |
 //! | [`step`] | the methods, as pure functions with a row of theory each | one function and one row of [`step::METHODS`] |
@@ -64,7 +64,7 @@
 //! | [`frames`] | files in and out, the built-in scene | a format: a file with a `FORMAT`, and two lines in `frames/mod.rs` |
 //! | `plot` | figures: axes, palette, lines and words, as SVG and PNG | |
 //! | [`config`] | TOML -> everything above | a key: a field in `config/settings.rs`, a range in `check.rs` |
-//! | [`page`] | `report.html` and the live page: one HTML file | a panel: a script in `page/`, a line in [`page`] |
+//! | `page` | `report.html` and the live page: one HTML file | a panel: a script in `page/`, a line in `page` |
 //! | [`run`] | the loop: reader, eye, writer; checkpoints, report | |
 //! | [`view`] | the same loop, live: a server, a page, and a path that can be gone back along | |
 //! | [`sweep`] | cases and durations, their table and contact sheet | |
@@ -92,19 +92,19 @@
 //! # What is decided where the sources are silent
 //!
 //! *One luminance everywhere*: cd/m2 are what a photometer reads of D65; V is the Y row of the
-//! observer's own LMS -> XYZ, and K makes the two agree ([`observer::Photometry`]). With 2 degrees
+//! observer's own LMS -> XYZ, and K makes the two agree (`observer::Photometry`). With 2 degrees
 //! equal energy reads 1.0007 of what CIE 1931 says, a 2900 K lamp .996, the low sun 1.013. *One
 //! colour space*: one matrix from catches to the percept, for light of every kind; RGB is re-mixed so
 //! that unbleached it is itself. *One cone troland*: an equal-energy light of 1 td gives 1 in every
-//! class of a 32-year-old ([`observer::Observer::cone_troland`]), and as much less in an older eye
-//! as its lens keeps back ([`observer::Observer::aged`]); multiplying a luminance by a fundamental,
+//! class of a 32-year-old (`observer::Observer::cone_troland`), and as much less in an older eye
+//! as its lens keeps back (`observer::Observer::aged`); multiplying a luminance by a fundamental,
 //! as the paper of 2005 writes it, would count V twice. The effect of the pupil's margin (Stiles-Crawford)
 //! enters the trolands only, never the percept.
 
 pub mod chart;
 pub mod colour;
 pub mod config;
-pub mod constants;
+pub(crate) mod constants;
 pub mod display;
 pub mod error;
 pub mod eye;
@@ -115,8 +115,8 @@ pub mod light;
 pub mod observer;
 pub mod optics;
 #[doc = include_str!("paper.md")]
-pub mod paper {}
-pub mod page;
+pub(crate) mod paper {}
+pub(crate) mod page;
 pub(crate) mod plot;
 pub mod run;
 pub mod spectrum;

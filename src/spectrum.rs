@@ -4,8 +4,8 @@
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Band {
     pub centre: f64,
-    pub low: f64,
-    pub high: f64,
+    pub(crate) low: f64,
+    pub(crate) high: f64,
 }
 
 impl Band {
@@ -24,7 +24,7 @@ pub struct Bands(Vec<Band>);
 impl Bands {
     /// Bands with stated limits. `None` unless there is at least one, all are finite with positive
     /// wavelengths and width, and centres rise strictly.
-    pub fn new(bands: Vec<Band>) -> Option<Self> {
+    pub(crate) fn new(bands: Vec<Band>) -> Option<Self> {
         let sound = |b: &Band| {
             b.low > 0.0
                 && b.high.is_finite()
@@ -93,19 +93,19 @@ impl Bands {
     }
 }
 
-/// A function of wavelength at every nanometre from [`Curve::FROM`] to [`Curve::TO`]; zero outside.
+/// A function of wavelength at every nanometre from `Curve::FROM` to `Curve::TO`; zero outside.
 /// Each value stands for the nanometre around its wavelength.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve(pub Vec<f64>);
 
 impl Curve {
     /// First wavelength, nm: where the published cone fundamentals begin.
-    pub const FROM: usize = 390;
+    pub(crate) const FROM: usize = 390;
     /// Last wavelength, nm.
-    pub const TO: usize = 830;
+    pub(crate) const TO: usize = 830;
 
     /// The wavelengths of the grid, nm.
-    pub fn wavelengths() -> impl Iterator<Item = f64> {
+    pub(crate) fn wavelengths() -> impl Iterator<Item = f64> {
         (Self::FROM..=Self::TO).map(|nm| nm as f64)
     }
 
@@ -147,7 +147,7 @@ impl Curve {
     }
 
     /// The value at a wavelength of the grid; zero elsewhere.
-    pub fn at(&self, nm: usize) -> f64 {
+    pub(crate) fn at(&self, nm: usize) -> f64 {
         nm.checked_sub(Self::FROM).and_then(|i| self.0.get(i)).copied().unwrap_or(0.0)
     }
 
@@ -157,12 +157,12 @@ impl Curve {
     }
 
     /// The curve times a number.
-    pub fn scaled(&self, factor: f64) -> Curve {
+    pub(crate) fn scaled(&self, factor: f64) -> Curve {
         Curve(self.0.iter().map(|v| v * factor).collect())
     }
 
     /// The largest value.
-    pub fn peak(&self) -> f64 {
+    pub(crate) fn peak(&self) -> f64 {
         self.0.iter().copied().fold(0.0, f64::max)
     }
 
@@ -202,7 +202,7 @@ impl Curve {
     }
 
     /// How much of each nanometre lies between two wavelengths: a light of 1 in just that band.
-    pub fn within(low: f64, high: f64) -> Curve {
+    pub(crate) fn within(low: f64, high: f64) -> Curve {
         Curve::sampled(|nm| overlap(nm, low, high))
     }
 }
@@ -215,7 +215,7 @@ fn overlap(nm: f64, low: f64, high: f64) -> f64 {
 /// A published table as it stands in `data/`: rising wavelengths in the first column.
 #[derive(Clone, Debug)]
 pub struct Table {
-    pub wavelengths: Vec<f64>,
+    pub(crate) wavelengths: Vec<f64>,
     columns: Vec<Vec<f64>>,
     names: Vec<String>,
 }
@@ -237,7 +237,7 @@ impl Table {
     }
 
     /// A column by its name; empty if there is none.
-    pub fn column(&self, name: &str) -> &[f64] {
+    pub(crate) fn column(&self, name: &str) -> &[f64] {
         self.names.iter().position(|n| n == name).map_or(&[], |i| &self.columns[i])
     }
 

@@ -2,7 +2,7 @@
 
 /// Text with its control characters made visible: what comes out of a file must not move a cursor,
 /// set a clipboard or hide a name.
-pub fn shown(text: &str) -> String {
+pub(crate) fn shown(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for character in text.chars() {
         if is_hidden(character) {

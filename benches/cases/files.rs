@@ -17,7 +17,7 @@ const CODES: [&str; 5] = ["none", "rle", "zips", "zip", "piz"];
 const FRAMES: usize = 8;
 
 /// The same picture written and read in each code, and a run over frames of it.
-pub fn all(size: [usize; 2]) -> Vec<Planned> {
+pub(crate) fn all(size: [usize; 2]) -> Vec<Planned> {
     let writing = |code| {
         planned(format!("write EXR, {code}"), move |name| written(name, &evening(size), code))
     };

@@ -21,7 +21,7 @@ use sungaze::vision::Vision;
 const FRAME: Seconds = Seconds(1.0 / 24.0);
 
 /// One thing to measure: its name, the bytes it reads plus those it writes, and the work.
-pub struct Case {
+pub(crate) struct Case {
     pub name: String,
     pub bytes: usize,
     pub work: Box<dyn FnMut() + Send>,
@@ -38,10 +38,10 @@ impl Case {
 }
 
 /// A case that is still to be set up: its name, or how that begins.
-pub type Planned = (String, Box<dyn FnOnce() -> Case>);
+pub(crate) type Planned = (String, Box<dyn FnOnce() -> Case>);
 
 /// Every case for a picture of about so many megapixels.
-pub fn all(megapixels: f64) -> Vec<Planned> {
+pub(crate) fn all(megapixels: f64) -> Vec<Planned> {
     let height = ((megapixels * 1e6 / 16.0 * 9.0).sqrt()).round() as usize;
     let width = (megapixels * 1e6 / height as f64).round() as usize;
     let size = [width, height];
@@ -62,7 +62,7 @@ fn planned(name: impl Into<String>, set_up: impl FnOnce(String) -> Case + 'stati
 }
 
 /// A copy that moves as many bytes, read plus written, block by block in the pool's threads.
-pub fn copy(bytes: usize) -> Box<dyn FnMut() + Send> {
+pub(crate) fn copy(bytes: usize) -> Box<dyn FnMut() + Send> {
     const BLOCK: usize = 256 * 1024;
     let from = vec![1u8; bytes / 2];
     let mut to = vec![0u8; bytes / 2];

@@ -15,20 +15,20 @@ use crate::config::described;
 use crate::errors::refused;
 
 /// A frame of shape (h, w, planes), half or float.
-pub enum Frame<'py> {
+pub(crate) enum Frame<'py> {
     Half(PyReadonlyArray3<'py, f16>),
     Float(PyReadonlyArray3<'py, f32>),
 }
 
 /// The same without Python's lock.
-pub enum FrameView<'a> {
+pub(crate) enum FrameView<'a> {
     Half(ArrayView3<'a, f16>),
     Float(ArrayView3<'a, f32>),
 }
 
 impl<'py> Frame<'py> {
     /// The frame that an object holds. Doubles and foreign byte orders become native floats.
-    pub fn of(given: &Bound<'py, PyAny>) -> PyResult<Frame<'py>> {
+    pub(crate) fn of(given: &Bound<'py, PyAny>) -> PyResult<Frame<'py>> {
         let array = required(given, None)?;
         if let Ok(half) = array.cast::<PyArray3<f16>>() {
             return Ok(Frame::Half(half.try_readonly()?));
@@ -46,7 +46,7 @@ impl<'py> Frame<'py> {
     }
 
     /// Its samples.
-    pub fn view(&self) -> FrameView<'_> {
+    pub(crate) fn view(&self) -> FrameView<'_> {
         match self {
             Frame::Half(frame) => FrameView::Half(frame.as_array()),
             Frame::Float(frame) => FrameView::Float(frame.as_array()),
@@ -56,7 +56,7 @@ impl<'py> Frame<'py> {
 
 impl FrameView<'_> {
     /// One look at the frame.
-    pub fn seen_by(self, eye: &mut Eye, gaze: Gaze, duration: Seconds) -> Looked<Look> {
+    pub(crate) fn seen_by(self, eye: &mut Eye, gaze: Gaze, duration: Seconds) -> Looked<Look> {
         match self {
             FrameView::Half(frame) => eye.look(frame, gaze, duration),
             FrameView::Float(frame) => eye.look(frame, gaze, duration),
@@ -65,7 +65,7 @@ impl FrameView<'_> {
 }
 
 /// An aligned array of an object, of a given type or its own.
-pub fn required<'py>(
+pub(crate) fn required<'py>(
     given: &Bound<'py, PyAny>,
     dtype: Option<&str>,
 ) -> PyResult<Bound<'py, PyUntypedArray>> {
@@ -75,7 +75,7 @@ pub fn required<'py>(
 }
 
 /// An array of the percept's shape, (h, w, 3) float32, that can be written.
-pub fn writable<'py>(
+pub(crate) fn writable<'py>(
     given: &Bound<'py, PyAny>,
     (height, width): (usize, usize),
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {

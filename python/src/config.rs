@@ -9,7 +9,7 @@ use sungaze::config::{Config, Table, Value};
 use crate::errors::{raised, refused};
 
 /// The configuration that an argument names.
-pub fn config_of(given: Option<&Bound<'_, PyAny>>) -> PyResult<Config> {
+pub(crate) fn config_of(given: Option<&Bound<'_, PyAny>>) -> PyResult<Config> {
     let Some(given) = given else { return Config::load(None, &[]).map_err(raised) };
     if let Ok(keys) = given.cast::<PyDict>() {
         let table = table_of("config", keys)?;
@@ -22,7 +22,7 @@ pub fn config_of(given: Option<&Bound<'_, PyAny>>) -> PyResult<Config> {
 }
 
 /// A value and its type, for messages.
-pub fn described(value: &Bound<'_, PyAny>) -> String {
+pub(crate) fn described(value: &Bound<'_, PyAny>) -> String {
     let kind = value.get_type().name().map_or_else(|_| "object".into(), |name| name.to_string());
     value.repr().map_or(kind.clone(), |repr| format!("{repr} ({kind})"))
 }

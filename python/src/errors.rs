@@ -5,7 +5,7 @@ use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyValueError};
 use sungaze::error::Error;
 
 /// What Python raises for an error: `ValueError` for keys and arrays, `OSError` for files.
-pub fn raised(error: Error) -> PyErr {
+pub(crate) fn raised(error: Error) -> PyErr {
     let message = error.to_string();
     match error {
         Error::Config { .. } | Error::Light(_) => PyValueError::new_err(message),
@@ -16,6 +16,6 @@ pub fn raised(error: Error) -> PyErr {
 }
 
 /// An argument that is not accepted: what was found, what is accepted.
-pub fn refused(name: &str, found: impl std::fmt::Display, accepted: &str) -> PyErr {
+pub(crate) fn refused(name: &str, found: impl std::fmt::Display, accepted: &str) -> PyErr {
     PyValueError::new_err(format!("{name}: found {found}; accepted: {accepted}"))
 }

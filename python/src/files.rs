@@ -46,7 +46,7 @@ use crate::pool::awake;
 /// ('spectral', True)
 #[pyfunction]
 #[pyo3(signature = (path, config=None), text_signature = "(path, config=None)")]
-pub fn read<'py>(
+pub(crate) fn read<'py>(
     py: Python<'py>,
     path: PathBuf,
     config: Option<&Bound<'py, PyAny>>,

@@ -56,7 +56,7 @@ use crate::errors::refused;
     text_signature = "(trolands, seconds, start=1.0, half_bleach_log_td=4.3, tau_s=120.0, law='first-order', *, optical_density=0.5, km=0.2)"
 )]
 #[expect(clippy::too_many_arguments, reason = "they are keywords")]
-pub fn unbleached<'py>(
+pub(crate) fn unbleached<'py>(
     py: Python<'py>,
     trolands: &Bound<'py, PyAny>,
     seconds: &Bound<'py, PyAny>,
@@ -105,7 +105,7 @@ pub fn unbleached<'py>(
                  optical_density=0.5, km=0.2),
     text_signature = "(trolands, half_bleach_log_td=4.3, law='first-order', *, optical_density=0.5, km=0.2)"
 )]
-pub fn steady<'py>(
+pub(crate) fn steady<'py>(
     py: Python<'py>,
     trolands: &Bound<'py, PyAny>,
     half_bleach_log_td: Option<&Bound<'py, PyAny>>,

@@ -105,7 +105,7 @@ impl Look {
 }
 
 /// Planes as an array (h, w, planes) of floats over the same memory; halves are widened.
-pub fn array_of(planes: Planes) -> Array3<f32> {
+pub(crate) fn array_of(planes: Planes) -> Array3<f32> {
     let Planes { width, height, count, samples } = planes;
     let samples = match samples {
         Samples::Float(samples) => samples,

@@ -12,7 +12,7 @@ use crate::errors::refused;
 static OWNER: OnceLock<u32> = OnceLock::new();
 
 /// Refuses to wait for threads that a fork has left behind.
-pub fn awake() -> PyResult<()> {
+pub(crate) fn awake() -> PyResult<()> {
     let here = process::id();
     if *OWNER.get_or_init(|| here) == here {
         return Ok(());
@@ -36,7 +36,7 @@ pub fn awake() -> PyResult<()> {
 ///     If `count` is below 1, or the threads run already.
 #[pyfunction]
 #[pyo3(text_signature = "(count)")]
-pub fn set_threads(count: i64) -> PyResult<()> {
+pub(crate) fn set_threads(count: i64) -> PyResult<()> {
     let threads = usize::try_from(count).ok().filter(|&n| n > 0);
     let threads = threads.ok_or_else(|| refused("count", count, "1 or more"))?;
     awake()?;

@@ -51,7 +51,7 @@ use crate::pool::awake;
     signature = (config=None, out=None, progress=None, *, resume=false, overwrite=false),
     text_signature = "(config=None, out=None, progress=None, *, resume=False, overwrite=False)"
 )]
-pub fn run<'py>(
+pub(crate) fn run<'py>(
     py: Python<'py>,
     config: Option<&Bound<'py, PyAny>>,
     out: Option<PathBuf>,
@@ -98,7 +98,7 @@ pub fn run<'py>(
     signature = (config, out=None, progress=None, *, resume=false, overwrite=false),
     text_signature = "(config, out=None, progress=None, *, resume=False, overwrite=False)"
 )]
-pub fn sweep<'py>(
+pub(crate) fn sweep<'py>(
     py: Python<'py>,
     config: &Bound<'py, PyAny>,
     out: Option<PathBuf>,

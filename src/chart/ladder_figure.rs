@@ -31,14 +31,14 @@ pub(super) const BUDGET: f64 = 1e-3;
 
 /// What one rung did on one scene.
 pub(super) struct Rung {
-    pub name: &'static str,
-    pub cost_ms: f64,
+    pub(crate) name: &'static str,
+    pub(crate) cost_ms: f64,
     /// Largest error of p and of a catch.
-    pub errors: [f64; 2],
+    pub(crate) errors: [f64; 2],
     /// CIEDE2000 of the display picture, 95 % and largest.
-    pub differences: [f64; 2],
-    pub bound: Option<f64>,
-    pub chosen: bool,
+    pub(crate) differences: [f64; 2],
+    pub(crate) bound: Option<f64>,
+    pub(crate) chosen: bool,
 }
 
 /// The figure: scenes by their titles, with their rungs.

@@ -12,12 +12,12 @@ use crate::vision::Vision;
 
 /// A picture, or two that take turns, over a sequence of frames.
 pub(super) struct Scene {
-    pub name: &'static str,
-    pub title: &'static str,
-    pub vision: Vision,
-    pub pictures: Vec<Planes>,
+    pub(crate) name: &'static str,
+    pub(crate) title: &'static str,
+    pub(crate) vision: Vision,
+    pub(crate) pictures: Vec<Planes>,
     /// Which picture each frame shows, and how long.
-    pub frames: Vec<(usize, Seconds)>,
+    pub(crate) frames: Vec<(usize, Seconds)>,
 }
 
 const WIDTH: usize = 320;

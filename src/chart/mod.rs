@@ -28,11 +28,11 @@ use crate::frames::atomic;
 use std::path::Path;
 
 /// Takes the progress of a chart, line by line.
-pub type Progress<'a> = &'a mut (dyn FnMut(&str) + 'a);
+pub(crate) type Progress<'a> = &'a mut (dyn FnMut(&str) + 'a);
 
 /// What makes a chart in a folder.
 #[derive(Clone, Copy)]
-pub enum Make {
+pub(crate) enum Make {
     /// Of the program's methods and the standard observer.
     Fixed(fn(&Path, Progress) -> Result<()>),
     /// Of the observer of a configuration.
@@ -43,7 +43,7 @@ pub enum Make {
 pub struct Chart {
     pub name: &'static str,
     pub shows: &'static str,
-    pub make: Make,
+    pub(crate) make: Make,
 }
 
 /// Every chart, in the order in which they are made.

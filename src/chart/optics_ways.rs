@@ -22,14 +22,14 @@ const BLOOM: Depth = Depth { low: 1.0, reach: 0.5 };
 
 /// One way to compute scatter.
 pub(super) struct Way {
-    pub name: String,
-    pub ink: Ink,
-    pub marker: Marker,
+    pub(crate) name: String,
+    pub(crate) ink: Ink,
+    pub(crate) marker: Marker,
     /// Milliseconds per megapixel of one plane.
-    pub ms_per_megapixel: f64,
+    pub(crate) ms_per_megapixel: f64,
     /// The largest relative error at the places.
-    pub error: f64,
-    pub certificate: Option<f64>,
+    pub(crate) error: f64,
+    pub(crate) certificate: Option<f64>,
 }
 
 /// Light above this is bright, cd/m2.

@@ -5,9 +5,9 @@ use crate::units::{Seconds, Trolands};
 
 /// A light history and the pigment it begins with.
 pub(super) struct Scene {
-    pub name: &'static str,
-    pub start: f64,
-    pub frames: Vec<(Drive, Seconds)>,
+    pub(crate) name: &'static str,
+    pub(crate) start: f64,
+    pub(crate) frames: Vec<(Drive, Seconds)>,
 }
 
 const FILM: f64 = 1.0 / 24.0;

@@ -12,10 +12,10 @@ const LARGEST: [f64; 2] = [1e6, 1e3];
 
 /// What was measured of one method; infinite where no limit was found.
 pub(super) struct Measured {
-    pub method: &'static Method,
-    pub order: f64,
-    pub stable_to: f64,
-    pub bounded_to: f64,
+    pub(crate) method: &'static Method,
+    pub(crate) order: f64,
+    pub(crate) stable_to: f64,
+    pub(crate) bounded_to: f64,
 }
 
 pub(super) fn measure() -> Vec<Measured> {

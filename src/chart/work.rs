@@ -50,14 +50,14 @@ pub(super) enum Work {
 
 /// One point of the chart.
 pub(super) struct Point {
-    pub scene: &'static str,
-    pub law: Law,
-    pub method: &'static Method,
-    pub work: Work,
-    pub max_abs_error: f64,
-    pub max_rel_error: f64,
-    pub ns_per_update: f64,
-    pub failure: Option<Failure>,
+    pub(crate) scene: &'static str,
+    pub(crate) law: Law,
+    pub(crate) method: &'static Method,
+    pub(crate) work: Work,
+    pub(crate) max_abs_error: f64,
+    pub(crate) max_rel_error: f64,
+    pub(crate) ns_per_update: f64,
+    pub(crate) failure: Option<Failure>,
 }
 
 /// Error of p, and of a catch, that nobody can see.

@@ -13,7 +13,7 @@ use sungaze::sweep::typed;
 use super::{Common, say};
 
 /// Makes the named charts, or all, and prints what was written.
-pub fn command(names: &[String], common: &Common) -> Result<ExitCode> {
+pub(crate) fn command(names: &[String], common: &Common) -> Result<ExitCode> {
     let charts = chosen(names, common)?;
     let observer = chart::observer(&common.set)?;
     common.pool()?;
@@ -65,7 +65,7 @@ fn chosen(names: &[String], common: &Common) -> Result<Vec<&'static Chart>> {
 }
 
 /// The names of charts, each with what it shows.
-pub fn names() -> PossibleValuesParser {
+pub(crate) fn names() -> PossibleValuesParser {
     let value = |chart: &Chart| PossibleValue::new(chart.name).help(chart.shows);
     PossibleValuesParser::new(CHARTS.iter().map(value))
 }

@@ -10,7 +10,7 @@ use sungaze::frames::{self, Kind, Transfer};
 
 /// What stands for keys of a configuration.
 #[derive(Args, Clone)]
-pub struct Keys {
+pub(crate) struct Keys {
     /// How many degrees the frames are across: input.horizontal_fov_deg
     #[arg(long, value_name = "DEG")]
     fov: Option<f64>,
@@ -34,7 +34,12 @@ const ENDINGS: [&str; 18] = [
 impl Keys {
     /// The configuration of a TOML file, of frames, or (`None`) of the built-in scene. `--set` goes
     /// before these keys. `command`: what is run, for the message that asks for what is missing.
-    pub fn load(&self, path: Option<&Path>, set: &[String], command: &str) -> Result<Config> {
+    pub(crate) fn load(
+        &self,
+        path: Option<&Path>,
+        set: &[String],
+        command: &str,
+    ) -> Result<Config> {
         let mut sets = self.sets();
         match path.filter(|path| is_frames(path)) {
             None => Config::load(path, &[sets, set.to_vec()].concat()),

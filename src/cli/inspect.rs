@@ -12,7 +12,7 @@ use sungaze::observer::Observer;
 use super::{Common, say};
 
 /// Describes each file; one that cannot be read is named, and the others go on.
-pub fn command(files: &[PathBuf], common: &Common) -> Result<ExitCode> {
+pub(crate) fn command(files: &[PathBuf], common: &Common) -> Result<ExitCode> {
     let config = Config::load(None, &common.set)?;
     common.pool()?;
     let options = config.read_options()?;

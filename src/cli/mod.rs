@@ -122,7 +122,7 @@ enum Command {
 
 /// Flags that every command knows.
 #[derive(Args, Clone)]
-pub struct Common {
+pub(crate) struct Common {
     /// Folder for everything that is written [default: out/<config name>]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -185,7 +185,7 @@ impl Common {
 }
 
 /// Parses the arguments, runs the command and gives the exit code.
-pub fn main() -> ExitCode {
+pub(crate) fn main() -> ExitCode {
     let command = Cli::parse().command;
     let resumable = matches!(command, Command::Run { .. } | Command::Sweep { .. });
     stop::unless_asked(resumable, || {

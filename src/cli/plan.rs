@@ -12,7 +12,7 @@ use super::watch::Terminal;
 use super::{Common, say};
 
 /// Surveys a configuration's frames and prints what a run would model, and what it would leave out.
-pub fn command(path: &Path, keys: &Keys, common: &Common) -> Result<ExitCode> {
+pub(crate) fn command(path: &Path, keys: &Keys, common: &Common) -> Result<ExitCode> {
     let config = keys.load(Some(path), &common.set, "plan")?;
     common.pool()?;
     let terminal = Terminal::new(common.quiet);

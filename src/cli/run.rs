@@ -11,7 +11,7 @@ use super::watch::Terminal;
 use super::{Common, say};
 
 /// Runs a configuration and prints where its files are.
-pub fn command(path: Option<&Path>, keys: &Keys, common: &Common) -> Result<ExitCode> {
+pub(crate) fn command(path: Option<&Path>, keys: &Keys, common: &Common) -> Result<ExitCode> {
     let config = keys.load(path, &common.set, "run")?;
     common.pool()?;
     let folder = common.folder(&config.name);

@@ -7,7 +7,7 @@ use sungaze::error::{Error, Result};
 use sungaze::text::shown_lines;
 
 /// Prints a line of results. A reader that has gone away is not an error; a full disk is.
-pub fn result(text: &str) -> Result<()> {
+pub(crate) fn result(text: &str) -> Result<()> {
     let mut stdout = std::io::stdout().lock();
     match writeln!(stdout, "{}", shown_lines(text)).and_then(|()| stdout.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
@@ -18,11 +18,11 @@ pub fn result(text: &str) -> Result<()> {
 }
 
 /// Prints a message. One that nobody can read any more (a dead terminal, a full log disk) is let go.
-pub fn message(text: &str) {
+pub(crate) fn message(text: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{}", shown_lines(text));
 }
 
 /// Prints why something failed.
-pub fn failure(error: &Error) {
+pub(crate) fn failure(error: &Error) {
     message(&format!("sungaze: {error}"));
 }

@@ -29,12 +29,12 @@ static ASKED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Default::default);
 static LEAVING: AtomicBool = AtomicBool::new(false);
 
 /// Whether a signal has come.
-pub fn asked() -> bool {
+pub(crate) fn asked() -> bool {
     ASKED.load(Ordering::SeqCst)
 }
 
 /// The work is leaving by itself and needs a moment.
-pub fn leaving() {
+pub(crate) fn leaving() {
     LEAVING.store(true, Ordering::SeqCst);
 }
 
@@ -58,7 +58,7 @@ fn wait_for_signal() {
 }
 
 /// Holds the thread that works until a signal has come.
-pub fn wait() {
+pub(crate) fn wait() {
     while !asked() {
         std::thread::park();
     }
@@ -68,7 +68,10 @@ pub fn wait() {
 type End = std::thread::Result<ExitCode>;
 
 /// Does some work until it is done or the user has asked to stop. `resumable`: it can be gone on with.
-pub fn unless_asked(resumable: bool, work: impl FnOnce() -> ExitCode + Send + 'static) -> ExitCode {
+pub(crate) fn unless_asked(
+    resumable: bool,
+    work: impl FnOnce() -> ExitCode + Send + 'static,
+) -> ExitCode {
     listen();
     let (news, heard) = channel();
     let done = news.clone();

@@ -16,7 +16,7 @@ use super::{Common, say};
 /// Which part of a sweep is asked for.
 #[derive(Args, Clone)]
 #[group(multiple = false)]
-pub struct Asked {
+pub(crate) struct Asked {
     /// Print the cases, one a line, and run nothing.
     #[arg(long)]
     list: bool,
@@ -29,7 +29,7 @@ pub struct Asked {
 }
 
 /// Runs a sweep, or the part of it that is asked for, and prints where its files are.
-pub fn command(path: &Path, asked: &Asked, common: &Common) -> Result<ExitCode> {
+pub(crate) fn command(path: &Path, asked: &Asked, common: &Common) -> Result<ExitCode> {
     let config = Config::load(Some(path), &common.set)?;
     if asked.list {
         list(&config.sweep()?, common.json)?;

@@ -10,7 +10,7 @@ use sungaze::validate::{self, Subject, Verdict};
 use super::{Common, say};
 
 /// Makes every check, prints the table, writes it beside its picture; exit code 1 if a check fails.
-pub fn command(common: &Common) -> Result<ExitCode> {
+pub(crate) fn command(common: &Common) -> Result<ExitCode> {
     common.pool()?;
     let folder = common.folder("validate");
     common.ready(&folder)?;

@@ -14,7 +14,7 @@ use super::{Common, say, stop};
 
 /// What `view` is asked for beside the common flags.
 #[derive(Args)]
-pub struct Asked {
+pub(crate) struct Asked {
     /// Port of 127.0.0.1 [default: a free one]
     #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
     port: u16,
@@ -27,7 +27,7 @@ pub struct Asked {
 }
 
 /// Serves a configuration until the program is stopped.
-pub fn command(
+pub(crate) fn command(
     path: Option<&Path>,
     keys: &Keys,
     asked: &Asked,

@@ -14,7 +14,7 @@ use super::{say, stop};
 const LINE_EVERY: Duration = Duration::from_secs(5);
 
 /// Somebody at a terminal, or a log file.
-pub struct Terminal {
+pub(crate) struct Terminal {
     quiet: bool,
     bar: Option<ProgressBar>,
     begun: Instant,
@@ -24,7 +24,7 @@ pub struct Terminal {
 
 impl Terminal {
     /// A bar on a terminal, plain lines elsewhere, nothing if `quiet`.
-    pub fn new(quiet: bool) -> Self {
+    pub(crate) fn new(quiet: bool) -> Self {
         let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
             let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
             let style =
@@ -35,7 +35,7 @@ impl Terminal {
     }
 
     /// Clears the bar.
-    pub fn end(&self) {
+    pub(crate) fn end(&self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }

@@ -44,7 +44,7 @@ impl Config {
     /// # Errors
     /// Not one of level, schedule and history is given, a file cannot be read, or keys of the pupil
     /// or the age are given beside trolands.
-    pub fn field(&self) -> Result<(UniformField, Vec<f64>)> {
+    pub(crate) fn field(&self) -> Result<(UniformField, Vec<f64>)> {
         self.nothing_before_the_retina()?;
         let Lights { strengths, edges } = self.lights()?;
         let input = &self.settings.input;

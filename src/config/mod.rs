@@ -9,6 +9,8 @@ mod resolve;
 pub mod settings;
 mod source;
 mod sweep;
+#[cfg(feature = "view")]
+mod viewing;
 mod words;
 
 use std::path::{Path, PathBuf};
@@ -18,7 +20,7 @@ pub use toml::{Table, Value};
 use crate::constants;
 use crate::error::{Error, Result};
 
-pub use settings::Settings;
+pub(crate) use settings::Settings;
 use source::Source;
 pub use sweep::{Case, Sweep};
 
@@ -154,41 +156,6 @@ impl Config {
         parts.fold(first, |value, part| value?.get(part)).is_some()
     }
 
-    /// The TOML of a run that follows a gaze path beside it, under all else that this configuration
-    /// gives. Its frames are named so that it may lie anywhere. `still`: there is one frame, which
-    /// has no times of its own.
-    pub fn viewing(&self, path: &str, still: bool) -> Result<String> {
-        let mut keys = self.keys.clone();
-        remove(&mut keys, "gaze.at");
-        for time in ["time.times_s", "time.duration_s"] {
-            remove(&mut keys, time);
-        }
-        let mut changes = vec![("gaze.path", path.into()), ("time.times_s", "gaze.path".into())];
-        if let Some(times) = self.settings.time.listed().filter(|_| !still) {
-            changes.push(("time.frames_s", times.to_vec().into()));
-        }
-        if let Some(frames) = &self.settings.input.frames {
-            changes.push(("input.frames", self.anywhere(frames)));
-        }
-        for (key, value) in changes {
-            insert(&mut keys, key, value).map_err(|problem| self.wrong(key, problem))?;
-        }
-        toml::to_string(&keys).map_err(|e| self.wrong("save", e.to_string()))
-    }
-
-    /// Frames by names that do not depend on where the configuration lies.
-    fn anywhere(&self, frames: &settings::OneOrMany) -> Value {
-        let absolute = |name: &String| {
-            let path = self.path(name);
-            let path = std::path::absolute(&path).unwrap_or(path);
-            Value::String(path.to_string_lossy().into_owned())
-        };
-        match frames {
-            settings::OneOrMany::One(name) => absolute(name),
-            settings::OneOrMany::Many(names) => Value::Array(names.iter().map(absolute).collect()),
-        }
-    }
-
     /// An error about one of the keys: at its line if the file has it, or at the setting that gave
     /// it.
     pub fn wrong(&self, key: &str, problem: impl Into<String>) -> Error {
@@ -207,7 +174,7 @@ impl Config {
     }
 
     /// A path of the configuration, relative to its file.
-    pub fn path(&self, written: &str) -> PathBuf {
+    pub(crate) fn path(&self, written: &str) -> PathBuf {
         self.base.join(written)
     }
 }

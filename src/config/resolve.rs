@@ -84,7 +84,7 @@ impl Config {
     }
 
     /// The row of the method table that `numerics.method` names.
-    pub fn method(&self) -> Result<&'static Method> {
+    pub(crate) fn method(&self) -> Result<&'static Method> {
         let name = &self.settings.numerics.method;
         Method::named(name).ok_or_else(|| {
             let names: Vec<_> = crate::step::METHODS.iter().map(|m| m.name).collect();
@@ -209,7 +209,7 @@ impl Config {
     }
 
     /// The built-in scene of `[input]`.
-    pub fn scene(&self) -> Sunset {
+    pub(crate) fn scene(&self) -> Sunset {
         let input = &self.settings.input;
         let (elevation, turbidity) =
             (input.sun_elevation_deg.unwrap_or(0.5), input.turbidity.unwrap_or(2.5));
@@ -217,7 +217,7 @@ impl Config {
     }
 
     /// What lies beyond the picture.
-    pub fn surround(&self) -> Surround {
+    pub(crate) fn surround(&self) -> Surround {
         match self.settings.gaze.surround_cd_m2 {
             SurroundKey::Word(SurroundWord::Edge) => Surround::Edge,
             SurroundKey::Luminance(nits) => Surround::Uniform(Nits(nits)),
@@ -240,7 +240,7 @@ impl Config {
 
     /// The budget within which less may be modelled (`numerics.model = "auto"`); `None`: what was
     /// asked for is done everywhere.
-    pub fn budget(&self) -> Option<f64> {
+    pub(crate) fn budget(&self) -> Option<f64> {
         let n = &self.settings.numerics;
         (n.model == ModelKey::Auto).then_some(n.budget)
     }

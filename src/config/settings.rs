@@ -14,23 +14,23 @@ use crate::optics::{Draw, Psf, Scatter};
 
 pub use super::words::*;
 
-pub use super::sweep::{Durations, Spaced, SweepKeys, Vary};
+pub(crate) use super::sweep::SweepKeys;
 
 /// A whole run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
     pub input: Input,
-    pub time: Time,
+    pub(crate) time: Time,
     pub gaze: Gaze,
-    pub optics: OpticsKeys,
+    pub(crate) optics: OpticsKeys,
     pub observer: ObserverKeys,
-    pub numerics: Numerics,
-    pub display: DisplayKeys,
-    pub output: Output,
+    pub(crate) numerics: Numerics,
+    pub(crate) display: DisplayKeys,
+    pub(crate) output: Output,
     /// `[sweep]`, for `sungaze sweep` alone.
     #[serde(skip_serializing)]
-    pub sweep: Option<SweepKeys>,
+    pub(crate) sweep: Option<SweepKeys>,
 }
 
 impl Settings {
@@ -61,57 +61,57 @@ pub struct Input {
     pub scene: Option<Scene>,
     /// Of a built-in scene; of frames, the most: wider ones are reduced.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub width: Option<u32>,
+    pub(crate) width: Option<u32>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub height: Option<u32>,
+    pub(crate) height: Option<u32>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub sun_elevation_deg: Option<f64>,
+    pub(crate) sun_elevation_deg: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub turbidity: Option<f64>,
+    pub(crate) turbidity: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub horizon: Option<Horizon>,
+    pub(crate) horizon: Option<Horizon>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub unit: Option<UnitKey>,
+    pub(crate) unit: Option<UnitKey>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub spectrum: Option<String>,
+    pub(crate) spectrum: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub level: Option<f64>,
+    pub(crate) level: Option<f64>,
     /// Seconds and level of each light, one after the other.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub schedule: Option<Vec<[f64; 2]>>,
+    pub(crate) schedule: Option<Vec<[f64; 2]>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub repeat: Option<u32>,
+    pub(crate) repeat: Option<u32>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub history: Option<String>,
+    pub(crate) history: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub frames: Option<OneOrMany>,
+    pub(crate) frames: Option<OneOrMany>,
     #[serde(skip_serializing_if = "String::is_empty", deserialize_with = "word_or_number")]
-    pub range: String,
-    pub kind: Wanted,
+    pub(crate) range: String,
+    pub(crate) kind: Wanted,
     #[serde(skip_serializing_if = "String::is_empty")]
-    pub layer: String,
+    pub(crate) layer: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub white_cd_m2: Option<f64>,
-    pub scale: f64,
-    pub quantity: Quantity,
+    pub(crate) scale: f64,
+    pub(crate) quantity: Quantity,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub channels: Option<Channels>,
+    pub(crate) channels: Option<Channels>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub bands_nm: Option<BandRange>,
+    pub(crate) bands_nm: Option<BandRange>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub horizontal_fov_deg: Option<f64>,
     /// The file's, or else angular.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub projection: Option<ViewProjection>,
-    pub primaries: PrimariesKey,
-    pub transfer: TransferKey,
+    pub(crate) primaries: PrimariesKey,
+    pub(crate) transfer: TransferKey,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub peak_cd_m2: Option<f64>,
-    pub matrix: MatrixKey,
-    pub code_range: CodeRangeKey,
-    pub missing: Missing,
-    pub non_finite: NonFinite,
-    pub negative: Negative,
+    pub(crate) peak_cd_m2: Option<f64>,
+    pub(crate) matrix: MatrixKey,
+    pub(crate) code_range: CodeRangeKey,
+    pub(crate) missing: Missing,
+    pub(crate) non_finite: NonFinite,
+    pub(crate) negative: Negative,
     pub max_pixels: u64,
 }
 
@@ -191,7 +191,7 @@ fn word_or_number<'de, D: serde::Deserializer<'de>>(from: D) -> Result<String, D
 /// A pattern, or a list of files.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, expecting = "a file name or pattern, or a list of file names")]
-pub enum OneOrMany {
+pub(crate) enum OneOrMany {
     One(String),
     Many(Vec<String>),
 }
@@ -202,7 +202,7 @@ pub enum OneOrMany {
     untagged,
     expecting = "a pattern with {nm}, a pattern with {index} beside bands_nm, or a list of { name, centre_nm, width_nm }"
 )]
-pub enum Channels {
+pub(crate) enum Channels {
     Pattern(String),
     Listed(Vec<Channel>),
 }
@@ -210,41 +210,41 @@ pub enum Channels {
 /// One channel by name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Channel {
+pub(crate) struct Channel {
     pub name: String,
-    pub centre_nm: f64,
-    pub width_nm: f64,
+    pub(crate) centre_nm: f64,
+    pub(crate) width_nm: f64,
 }
 
 /// The range that indexed bands share evenly.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct BandRange {
-    pub from: f64,
-    pub to: f64,
+pub(crate) struct BandRange {
+    pub(crate) from: f64,
+    pub(crate) to: f64,
 }
 
 /// `[time]`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Time {
+pub(crate) struct Time {
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub fps: Option<f64>,
+    pub(crate) fps: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub interval_s: Option<f64>,
+    pub(crate) interval_s: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub times_s: Option<Times>,
+    pub(crate) times_s: Option<Times>,
     /// Starts of a sequence's frames where `times_s` is `"gaze.path"`.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub frames_s: Option<Vec<f64>>,
+    pub(crate) frames_s: Option<Vec<f64>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub duration_s: Option<f64>,
+    pub(crate) duration_s: Option<f64>,
 }
 
 /// `time.times_s`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, expecting = "a list of seconds, or \"gaze.path\"")]
-pub enum Times {
+pub(crate) enum Times {
     Listed(Vec<f64>),
     /// A frame ends at each row of the gaze path and holds that row's gaze.
     Of(GazePath),
@@ -252,7 +252,7 @@ pub enum Times {
 
 /// The word `gaze.path`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum GazePath {
+pub(crate) enum GazePath {
     #[serde(rename = "gaze.path")]
     GazePath,
 }
@@ -279,14 +279,14 @@ pub struct Gaze {
     pub at: Aim,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path: Option<String>,
-    pub fovea_deg: f64,
-    pub surround_cd_m2: SurroundKey,
+    pub(crate) fovea_deg: f64,
+    pub(crate) surround_cd_m2: SurroundKey,
 }
 
 /// `gaze.surround_cd_m2`: `"edge"` or a number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, expecting = "\"edge\" or a luminance in cd/m2")]
-pub enum SurroundKey {
+pub(crate) enum SurroundKey {
     Word(SurroundWord),
     Luminance(f64),
 }
@@ -294,7 +294,7 @@ pub enum SurroundKey {
 /// The word that `gaze.surround_cd_m2` takes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum SurroundWord {
+pub(crate) enum SurroundWord {
     Edge,
 }
 
@@ -323,13 +323,13 @@ pub enum Aim {
 /// `[optics]`: what the eye scatters.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct OpticsKeys {
+pub(crate) struct OpticsKeys {
     /// Absent: `cie` for the built-in scene, `none` for given frames and the paper's observer.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub psf: Option<Psf>,
-    pub core_deg: f64,
-    pub straylight: f64,
-    pub draw: Draw,
+    pub(crate) psf: Option<Psf>,
+    pub(crate) core_deg: f64,
+    pub(crate) straylight: f64,
+    pub(crate) draw: Draw,
 }
 
 impl Default for OpticsKeys {
@@ -343,31 +343,31 @@ impl Default for OpticsKeys {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ObserverKeys {
-    pub preset: Preset,
-    pub field_deg: u32,
+    pub(crate) preset: Preset,
+    pub(crate) field_deg: u32,
     pub fundamentals: Set,
     pub pupil: PupilKey,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub pupil_mm: Option<f64>,
-    pub age: f64,
-    pub pigmentation: f64,
-    pub eyes: u8,
-    pub pupil_delay_s: f64,
-    pub pupil_closing_s: f64,
-    pub pupil_opening_s: f64,
+    pub(crate) pupil_mm: Option<f64>,
+    pub(crate) age: f64,
+    pub(crate) pigmentation: f64,
+    pub(crate) eyes: u8,
+    pub(crate) pupil_delay_s: f64,
+    pub(crate) pupil_closing_s: f64,
+    pub(crate) pupil_opening_s: f64,
     pub stiles_crawford: DirectionalKey,
     pub stiles_crawford_p: Steep,
-    pub mm_per_degree: f64,
-    pub constants: String,
-    pub kinetics: LawKey,
+    pub(crate) mm_per_degree: f64,
+    pub(crate) constants: String,
+    pub(crate) kinetics: LawKey,
     pub half_bleach_log_td: [f64; 3],
     pub tau_s: [f64; 3],
-    pub km: f64,
+    pub(crate) km: f64,
     /// Absent: that of the fundamentals and the field.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub optical_density: Option<[f64; 3]>,
+    pub(crate) optical_density: Option<[f64; 3]>,
     pub narrowing: Narrowing,
-    pub start: String,
+    pub(crate) start: String,
 }
 
 impl Default for ObserverKeys {
@@ -410,12 +410,12 @@ pub enum Steep {
 /// `[numerics]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Numerics {
-    pub method: String,
-    pub substeps: u32,
-    pub model: ModelKey,
-    pub budget: f64,
-    pub light_budget: f64,
+pub(crate) struct Numerics {
+    pub(crate) method: String,
+    pub(crate) substeps: u32,
+    pub(crate) model: ModelKey,
+    pub(crate) budget: f64,
+    pub(crate) light_budget: f64,
 }
 
 impl Default for Numerics {
@@ -433,14 +433,14 @@ impl Default for Numerics {
 /// `[display]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct DisplayKeys {
-    pub tone: ToneKey,
-    pub ceiling: Ceiling,
-    pub exposure_ev: f64,
-    pub white_cd_m2: f64,
+pub(crate) struct DisplayKeys {
+    pub(crate) tone: ToneKey,
+    pub(crate) ceiling: Ceiling,
+    pub(crate) exposure_ev: f64,
+    pub(crate) white_cd_m2: f64,
     #[serde(serialize_with = "infinity_as_word")]
-    pub smoothing_s: f64,
-    pub highlights: f64,
+    pub(crate) smoothing_s: f64,
+    pub(crate) highlights: f64,
 }
 
 /// JSON has no infinity; a pinned map is written as the word that TOML uses.
@@ -464,22 +464,22 @@ impl Default for DisplayKeys {
 /// `[output]`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct Output {
-    pub seen: SeenKey,
-    pub keep: KeepKey,
-    pub display: DisplayFile,
-    pub state: StateKey,
-    pub video: String,
+pub(crate) struct Output {
+    pub(crate) seen: SeenKey,
+    pub(crate) keep: KeepKey,
+    pub(crate) display: DisplayFile,
+    pub(crate) state: StateKey,
+    pub(crate) video: String,
     #[serde(skip_serializing_if = "String::is_empty", deserialize_with = "word_or_number")]
-    pub range: String,
-    pub page: bool,
+    pub(crate) range: String,
+    pub(crate) page: bool,
     /// Whether display pictures show the gaze and the time.
-    pub marks: bool,
+    pub(crate) marks: bool,
     /// Whether tables begin with the law and its constants, as a comment.
-    pub law: bool,
-    pub compression: String,
-    pub checkpoint_s: f64,
-    pub probe: Vec<Probe>,
+    pub(crate) law: bool,
+    pub(crate) compression: String,
+    pub(crate) checkpoint_s: f64,
+    pub(crate) probe: Vec<Probe>,
 }
 
 impl Default for Output {
@@ -504,7 +504,7 @@ impl Default for Output {
 /// `[[output.probe]]`: a point of the picture traced through time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Probe {
-    pub name: String,
-    pub at: [f64; 2],
+pub(crate) struct Probe {
+    pub(crate) name: String,
+    pub(crate) at: [f64; 2],
 }

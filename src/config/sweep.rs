@@ -12,13 +12,13 @@ use crate::error::{Error, Result};
 /// `[sweep]` as it is written.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct SweepKeys {
-    pub durations_s: Durations,
+pub(crate) struct SweepKeys {
+    pub(crate) durations_s: Durations,
     /// Whether every cell's percept and display picture are written.
     #[serde(default = "yes")]
-    pub pictures: bool,
+    pub(crate) pictures: bool,
     #[serde(default)]
-    pub vary: Vec<Vary>,
+    pub(crate) vary: Vec<Vary>,
 }
 
 fn yes() -> bool {
@@ -28,7 +28,7 @@ fn yes() -> bool {
 /// A list, or a logarithmic range.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(untagged, expecting = "a list of seconds, or { from, to, count } for logarithmic steps")]
-pub enum Durations {
+pub(crate) enum Durations {
     Listed(Vec<f64>),
     Spaced(Spaced),
 }
@@ -36,24 +36,24 @@ pub enum Durations {
 /// `count` durations from `from` to `to`, in even ratios.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Spaced {
-    pub from: f64,
-    pub to: f64,
-    pub count: usize,
+pub(crate) struct Spaced {
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+    pub(crate) count: usize,
 }
 
 /// `[[sweep.vary]]`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Vary {
-    pub key: Keys,
-    pub values: Values,
+pub(crate) struct Vary {
+    pub(crate) key: Keys,
+    pub(crate) values: Values,
 }
 
 /// One key, or several that move together.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(untagged, expecting = "a key, or a list of keys that move together")]
-pub enum Keys {
+pub(crate) enum Keys {
     One(String),
     Together(Vec<String>),
 }
@@ -61,7 +61,7 @@ pub enum Keys {
 /// A list of values (of lists, one value a key, where several move together), or logarithmic steps.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(untagged, expecting = "a list of values, or { from, to, count } for logarithmic steps")]
-pub enum Values {
+pub(crate) enum Values {
     // First: a list of three would do for a `Spaced` as well.
     Listed(Vec<Value>),
     Spaced(Spaced),
@@ -69,7 +69,7 @@ pub enum Values {
 
 impl Keys {
     /// The keys, in their order.
-    pub fn names(&self) -> &[String] {
+    pub(crate) fn names(&self) -> &[String] {
         match self {
             Keys::One(key) => std::slice::from_ref(key),
             Keys::Together(keys) => keys,
@@ -109,8 +109,8 @@ fn plain(value: &Value) -> String {
 #[derive(Clone, Debug)]
 pub struct Sweep {
     /// Rising, s.
-    pub durations: Vec<f64>,
-    pub pictures: bool,
+    pub(crate) durations: Vec<f64>,
+    pub(crate) pictures: bool,
     /// The varied keys.
     pub keys: Vec<String>,
     pub cases: Vec<Case>,
@@ -122,7 +122,7 @@ pub struct Case {
     pub number: usize,
     /// The value of each varied key, as it stands in a table.
     pub values: Vec<String>,
-    pub config: Config,
+    pub(crate) config: Config,
     /// Which value of each list it is.
     chosen: Vec<usize>,
 }

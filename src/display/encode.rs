@@ -43,7 +43,7 @@ impl Srgb {
     /// The codes nearest to linear values; values outside 0..=1 take the nearest that is inside.
     #[inline(always)]
     #[expect(clippy::manual_clamp, reason = "clamp would let NaN pass")]
-    pub fn code_each<const N: usize>(&self, linear: &[f32; N]) -> [u8; N] {
+    pub(crate) fn code_each<const N: usize>(&self, linear: &[f32; N]) -> [u8; N] {
         let (mut inside, mut codes, mut doubt) = ([0.0; N], [0; N], 0);
         for ((inside, linear), code) in inside.iter_mut().zip(linear).zip(&mut codes) {
             *inside = linear.max(LEAST).min(1.0);

@@ -30,7 +30,7 @@ use crate::units::{Nits, Seconds};
 /// What bounds the contrast of a histogram adjustment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Ceiling {
+pub(crate) enum Ceiling {
     /// No step of the world that an observer there could not see becomes visible on the display.
     #[default]
     Human,
@@ -40,7 +40,7 @@ pub enum Ceiling {
 
 /// How world luminance becomes display luminance.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Tone {
+pub(crate) enum Tone {
     /// Histogram adjustment, Ward et al. 1997.
     Ward(Ceiling),
     /// World luminance times 2^ev, whatever the frame holds.
@@ -51,16 +51,16 @@ pub enum Tone {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Display {
     /// Luminance of the display's white.
-    pub white: Nits,
-    pub tone: Tone,
+    pub(crate) white: Nits,
+    pub(crate) tone: Tone,
     /// Time constant of the map: 0 follows each frame, infinity pins it to the first.
-    pub smoothing: Seconds,
+    pub(crate) smoothing: Seconds,
     /// Colours brighter than the display: 0 keeps their hue, 1 their luminance.
-    pub highlights: f64,
+    pub(crate) highlights: f64,
 }
 
 /// Luminance of linear sRGB: the Y row of its matrix to XYZ (IEC 61966-2-1, D65 at .3127, .3290).
-pub const LUMINANCE: [f32; 3] = [0.212_639, 0.715_168_7, 0.072_192_32];
+pub(crate) const LUMINANCE: [f32; 3] = [0.212_639, 0.715_168_7, 0.072_192_32];
 
 impl Default for Display {
     fn default() -> Self {
@@ -76,10 +76,10 @@ impl Default for Display {
 impl Display {
     /// White over black under Ward's adjustment: what a good display shows in a dim room (Ward et
     /// al. 1997).
-    pub const CONTRAST: f64 = 100.0;
+    pub(crate) const CONTRAST: f64 = 100.0;
 
     /// Luminance of the display's black. A fixed exposure takes it as none.
-    pub fn black(&self) -> Nits {
+    pub(crate) fn black(&self) -> Nits {
         match self.tone {
             Tone::Ward(_) => Nits(self.white.0 / Self::CONTRAST),
             Tone::Exposure { .. } => Nits(0.0),
@@ -105,7 +105,7 @@ impl Display {
 
     /// A map from the levels that [`ToneMap::levels`] gave, bit for bit; `None` where they are no
     /// map's.
-    pub fn restore(&self, levels: Vec<f64>) -> Option<ToneMap> {
+    pub(crate) fn restore(&self, levels: Vec<f64>) -> Option<ToneMap> {
         ToneMap::from_levels(levels, self.black(), self.white)
     }
 

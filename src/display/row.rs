@@ -12,15 +12,15 @@ type Plane = [f32; BLOCK];
 
 /// A row that is encoded as sRGB, for whatever vectors the processor has.
 pub(super) struct Encode<'a> {
-    pub map: &'a ToneMap,
-    pub rgb: [&'a [f32]; 3],
+    pub(crate) map: &'a ToneMap,
+    pub(crate) rgb: [&'a [f32]; 3],
     /// The unit, cd/m2.
-    pub scale: f32,
+    pub(crate) scale: f32,
     /// Those of luminance.
-    pub weights: [f32; 3],
-    pub highlights: f32,
+    pub(crate) weights: [f32; 3],
+    pub(crate) highlights: f32,
     /// Three bytes a pixel.
-    pub out: &'a mut [u8],
+    pub(crate) out: &'a mut [u8],
 }
 
 impl WithSimd for Encode<'_> {

@@ -45,9 +45,9 @@ fn knot(i: usize) -> f64 {
 
 impl ToneMap {
     /// The first knot, 2^-20 cd/m2: an absolute threshold of vision.
-    pub const LEAST: f64 = 1.0 / (1 << -FIRST) as f64;
+    pub(crate) const LEAST: f64 = 1.0 / (1 << -FIRST) as f64;
     /// The last knot, 2^40 cd/m2: 700 times the sun.
-    pub const GREATEST: f64 = (1u64 << LAST) as f64;
+    pub(crate) const GREATEST: f64 = (1u64 << LAST) as f64;
 
     /// Tabulates a curve that never falls, from ln Lw to ln Ld.
     pub(super) fn tabulate(black: Nits, white: Nits, curve: impl Fn(f64) -> f64) -> Self {
@@ -75,7 +75,7 @@ impl ToneMap {
     }
 
     /// ln display luminance at each knot: all that a map remembers. Give it to
-    /// [`super::Display::restore`].
+    /// `super::Display::restore`.
     pub fn levels(&self) -> &[f64] {
         &self.levels
     }
@@ -91,21 +91,6 @@ impl ToneMap {
             other.black,
             other.white,
         )
-    }
-
-    /// Display luminance of a world luminance. No light, or less than none, is dark.
-    pub fn display_luminance(&self, world: Nits) -> Nits {
-        let level = |i: usize| self.levels[i].exp();
-        Nits(match world.0 {
-            w if w >= Self::GREATEST => level(KNOTS - 1),
-            w if w >= Self::LEAST => {
-                let i = (((w as f32).to_bits() >> 16) - BASE) as usize;
-                let i = if knot(i) > w { i - 1 } else { i };
-                level(i) + (level(i + 1) - level(i)) * (w - knot(i)) / (knot(i + 1) - knot(i))
-            }
-            w if w > 0.0 => level(0) * (w / Self::LEAST),
-            _ => 0.0,
-        })
     }
 
     /// World luminances in, out the shares of the display's range from black to white that they get;
@@ -144,6 +129,23 @@ pub(super) fn share(map: &ToneMap, world: f32) -> f32 {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    impl ToneMap {
+        /// Display luminance of a world luminance. No light, or less than none, is dark.
+        pub(crate) fn display_luminance(&self, world: Nits) -> Nits {
+            let level = |i: usize| self.levels[i].exp();
+            Nits(match world.0 {
+                w if w >= Self::GREATEST => level(KNOTS - 1),
+                w if w >= Self::LEAST => {
+                    let i = (((w as f32).to_bits() >> 16) - BASE) as usize;
+                    let i = if knot(i) > w { i - 1 } else { i };
+                    level(i) + (level(i + 1) - level(i)) * (w - knot(i)) / (knot(i + 1) - knot(i))
+                }
+                w if w > 0.0 => level(0) * (w / Self::LEAST),
+                _ => 0.0,
+            })
+        }
+    }
 
     /// Slopes of 1, 3 and 0, from 1 to 100 cd/m2.
     fn bent(ln_world: f64) -> f64 {

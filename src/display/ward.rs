@@ -63,7 +63,7 @@ struct Histogram {
 }
 
 impl Adjustment {
-    pub fn new(survey: &Survey, ceiling: Ceiling, black: Nits, white: Nits) -> Self {
+    pub(crate) fn new(survey: &Survey, ceiling: Ceiling, black: Nits, white: Nits) -> Self {
         Adjustment::smoothed(survey, ceiling, black, white, PASSES)
     }
 
@@ -96,7 +96,7 @@ impl Adjustment {
 
     /// ln display luminance of a ln world luminance. Below the range it goes on in proportion,
     /// above it is white.
-    pub fn ln_display(&self, ln_world: f64) -> f64 {
+    pub(crate) fn ln_display(&self, ln_world: f64) -> f64 {
         let (black, white) = self.display;
         match &self.shape {
             Shape::Scale(ln_scale) => (ln_world + ln_scale).min(white),

@@ -15,7 +15,7 @@ use crate::vision::Vision;
 impl Eye {
     /// What the pupil responds to: the mean over the fovea around the gaze (pixels) and over the
     /// picture.
-    pub fn adapting(&self, planes: &Planes, survey: &Survey, gaze: [f64; 2]) -> Adapting {
+    pub(crate) fn adapting(&self, planes: &Planes, survey: &Survey, gaze: [f64; 2]) -> Adapting {
         let area = (planes.width * planes.height) as f64 / self.pixels_per_degree.powi(2);
         let fovea = self.foveal_mean(planes, gaze);
         Adapting {
@@ -66,7 +66,7 @@ impl Eye {
     }
 
     /// The pixels of a picture whose centres lie within the fovea around a gaze.
-    pub fn fovea(
+    pub(crate) fn fovea(
         &self,
         width: usize,
         height: usize,
@@ -103,7 +103,7 @@ impl Eye {
 
 /// The centroid, in pixels, of the connected region of a frame that is brighter than half of its
 /// greatest luminance, around the first of its brightest pixels.
-pub fn brightest(vision: &Vision, planes: &Planes, survey: &Survey) -> [f64; 2] {
+pub(crate) fn brightest(vision: &Vision, planes: &Planes, survey: &Survey) -> [f64; 2] {
     let Planes { width, height, .. } = *planes;
     let bright = |[x, y]: [usize; 2]| {
         let terms = vision.luminance.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
@@ -141,7 +141,7 @@ pub fn survey(vision: &Vision, planes: &Planes, pixels_per_degree: f64) -> Surve
 
 /// Surveys a frame row by row.
 pub(super) struct Surveyor {
-    pub cells: Cells,
+    pub(crate) cells: Cells,
     weights: Vec<f32>,
     width: usize,
     count: usize,

@@ -35,7 +35,7 @@ const EXTREMES: usize = 32;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Check {
     /// Column and row of each place.
-    pub places: Vec<[usize; 2]>,
+    pub(crate) places: Vec<[usize; 2]>,
     /// Unbleached fractions at full model.
     p: Vec<[f64; 3]>,
     /// The greatest error of p and of a catch at each place so far.
@@ -44,29 +44,29 @@ pub struct Check {
 }
 
 /// One frame as the check needs it.
-pub struct CheckFrame<'a> {
-    pub vision: &'a Vision,
-    pub pigments: &'a [Kinetics; 3],
+pub(crate) struct CheckFrame<'a> {
+    pub(crate) vision: &'a Vision,
+    pub(crate) pigments: &'a [Kinetics; 3],
     /// What each place's spectrum was, band by band; RGB is read from the planes.
-    pub kept: Option<&'a SampledSpectra>,
+    pub(crate) kept: Option<&'a SampledSpectra>,
     /// The light on the retina.
-    pub planes: &'a Planes,
+    pub(crate) planes: &'a Planes,
     /// At a place whose spectrum is kept: the share of it that reaches the retina, and the
     /// projections of the light that the eye scatters there.
-    pub veil: &'a dyn Fn([usize; 2]) -> Option<(f64, Vec<f64>)>,
-    pub pupil: Millimetres,
-    pub gaze: [f64; 2],
+    pub(crate) veil: &'a dyn Fn([usize; 2]) -> Option<(f64, Vec<f64>)>,
+    pub(crate) pupil: Millimetres,
+    pub(crate) gaze: [f64; 2],
     /// How far the gaze has moved from the first, in pixels.
-    pub shift: [f64; 2],
+    pub(crate) shift: [f64; 2],
     /// Cone illuminance of a place around the picture, column and row, td.
-    pub around: &'a dyn Fn([i64; 2]) -> [f64; 3],
-    pub pixels_per_degree: f64,
-    pub duration: Seconds,
+    pub(crate) around: &'a dyn Fn([i64; 2]) -> [f64; 3],
+    pub(crate) pixels_per_degree: f64,
+    pub(crate) duration: Seconds,
 }
 
 impl Check {
     /// A check of these places, from the fractions that the run starts with.
-    pub fn new(places: Vec<[usize; 2]>, start: impl Fn([usize; 2]) -> [f64; 3]) -> Self {
+    pub(crate) fn new(places: Vec<[usize; 2]>, start: impl Fn([usize; 2]) -> [f64; 3]) -> Self {
         let p = places.iter().map(|&at| start(at)).collect();
         let errors = vec![[0.0; 2]; places.len()];
         Check { places, p, errors, frames: 0 }
@@ -82,7 +82,7 @@ impl Check {
     }
 
     /// Moves the places by one frame and compares them with the run's fractions after it.
-    pub fn follow(&mut self, frame: &CheckFrame<'_>, run: impl Fn([usize; 2]) -> [f64; 3]) {
+    pub(crate) fn follow(&mut self, frame: &CheckFrame<'_>, run: impl Fn([usize; 2]) -> [f64; 3]) {
         self.frames += 1;
         let still = frame.shift == [0.0, 0.0];
         let central = frame.weights(0.0);
@@ -119,7 +119,7 @@ impl Check {
     }
 
     /// For the report.
-    pub fn report(&self) -> Value {
+    pub(crate) fn report(&self) -> Value {
         let [p, catch] = self.largest();
         json!({
             "samples": self.places.len(),
@@ -132,7 +132,7 @@ impl Check {
     }
 
     /// A sentence on the places beyond a budget; `None` if there are none.
-    pub fn beyond(&self, budget: f64) -> Option<String> {
+    pub(crate) fn beyond(&self, budget: f64) -> Option<String> {
         let errors = self.errors(0).zip(self.errors(1)).map(|(a, b)| a.max(b));
         let beyond: Vec<_> =
             self.places.iter().zip(errors).filter(|(_, error)| *error > budget).collect();
@@ -338,7 +338,7 @@ fn jitter(i: u64) -> f64 {
 }
 
 /// Room for the spectra of the places, to be filled while a frame is decoded.
-pub fn room(vision: &Vision, places: &[[usize; 2]]) -> Option<Arc<SampledSpectra>> {
+pub(crate) fn room(vision: &Vision, places: &[[usize; 2]]) -> Option<Arc<SampledSpectra>> {
     vision.projection().map(|_| Arc::new(SampledSpectra::new(places)))
 }
 

@@ -13,17 +13,17 @@ use crate::light::{Planes, Sample, Samples};
 /// What the rows of one look share.
 pub(super) struct LookContext<'a> {
     /// Light on the retina.
-    pub retinal: &'a Planes,
+    pub(crate) retinal: &'a Planes,
     /// Light that is seen, if it is not the same.
-    pub shown: Option<&'a Planes>,
+    pub(crate) shown: Option<&'a Planes>,
     /// Whether the percept is of halves, as the frame is.
-    pub half: bool,
+    pub(crate) half: bool,
     /// How far the gaze has moved from the first, in pixels.
-    pub shift: [f64; 2],
-    pub step: PigmentStep,
-    pub rule: Rule,
+    pub(crate) shift: [f64; 2],
+    pub(crate) step: PigmentStep,
+    pub(crate) rule: Rule,
     /// Cone illuminance around the picture, td.
-    pub around: Around<'a, f32>,
+    pub(crate) around: Around<'a, f32>,
 }
 
 impl LookContext<'_> {

@@ -40,7 +40,8 @@ use crate::step;
 use crate::units::{Degrees, Millimetres, Nits, Seconds};
 use crate::vision::{SampledSpectra, Vision};
 
-pub use adapting::{brightest, survey};
+pub(crate) use adapting::brightest;
+pub use adapting::survey;
 use check::Check;
 use illuminance::IlluminanceOperator;
 use percept::PerceptStage;
@@ -49,7 +50,7 @@ use plan::Plan;
 use retina::Retina;
 use scattered::OpticsStage;
 pub use state::State;
-pub use stats::LookStats;
+pub(crate) use stats::LookStats;
 
 /// What the planes of a frame in memory are.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,7 +99,7 @@ impl Gaze {
     pub const CENTRE: Gaze = Gaze([0.5, 0.5]);
 
     /// The same in pixels of a picture of this width and height.
-    pub fn pixel(self, size: [usize; 2]) -> [f64; 2] {
+    pub(crate) fn pixel(self, size: [usize; 2]) -> [f64; 2] {
         [0, 1].map(|i| self.0[i] * size[i] as f64 - 0.5)
     }
 }
@@ -136,10 +137,10 @@ pub struct Look {
     /// Luminances of the light that is seen: with its veil, where that is drawn.
     pub survey: Arc<Survey>,
     /// Where was looked, in pixels.
-    pub gaze: [f64; 2],
+    pub(crate) gaze: [f64; 2],
     /// How far that is from the first gaze, in pixels.
-    pub shift: [f64; 2],
-    pub duration: Seconds,
+    pub(crate) shift: [f64; 2],
+    pub(crate) duration: Seconds,
     /// Mean luminance over the fovea.
     pub adapting: Nits,
     /// Diameter of the pupil.
@@ -217,13 +218,13 @@ impl EyeBuilder {
     }
 
     /// The retina to start with, of the picture's size.
-    pub fn retina(mut self, retina: Retina) -> Self {
+    pub(crate) fn retina(mut self, retina: Retina) -> Self {
         self.0.retina = retina;
         self
     }
 
     /// Starts at the steady state of the first frame.
-    pub fn adapted(mut self) -> Self {
+    pub(crate) fn adapted(mut self) -> Self {
         self.0.adapts_first = true;
         self
     }
@@ -391,12 +392,12 @@ impl Eye {
     }
 
     /// Kinetics of the L, M and S pigments.
-    pub fn pigments(&self) -> &[Kinetics; 3] {
+    pub(crate) fn pigments(&self) -> &[Kinetics; 3] {
         &self.pigments
     }
 
     /// The model that was asked for.
-    pub fn model(&self) -> Model {
+    pub(crate) fn model(&self) -> Model {
         self.model
     }
 

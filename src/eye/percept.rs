@@ -12,9 +12,9 @@ pub(super) struct PerceptStage {
 
 /// Memory for one tile's p in single precision, its catches and its percept.
 pub(super) struct PerceptScratch<'a> {
-    pub p: &'a mut [[f32; TILE]; 3],
-    pub lms: &'a mut [[f32; TILE]; 3],
-    pub rgb: &'a mut [[f32; TILE]; 3],
+    pub(crate) p: &'a mut [[f32; TILE]; 3],
+    pub(crate) lms: &'a mut [[f32; TILE]; 3],
+    pub(crate) rgb: &'a mut [[f32; TILE]; 3],
 }
 
 impl PerceptStage {

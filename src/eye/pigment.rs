@@ -22,7 +22,7 @@ pub enum Model {
 impl Model {
     /// What to say if a step takes the method past its limit under the greatest cone illuminances,
     /// td.
-    pub fn past_limit(
+    pub(crate) fn past_limit(
         &self,
         pigments: &[Kinetics; 3],
         greatest: [f64; 3],
@@ -38,7 +38,7 @@ impl Model {
     }
 
     /// The name in `trace.csv` and `report.json`.
-    pub fn name(&self) -> &'static str {
+    pub(crate) fn name(&self) -> &'static str {
         match self {
             Model::Unbleached => "none",
             Model::Steady => "steady",
@@ -49,7 +49,7 @@ impl Model {
 
 /// One step of the pigments, the same at every place but for the light.
 #[derive(Clone, Copy)]
-pub struct PigmentStep {
+pub(crate) struct PigmentStep {
     pigments: [Kinetics; 3],
     model: Model,
     duration: Seconds,
@@ -58,7 +58,7 @@ pub struct PigmentStep {
 
 impl PigmentStep {
     /// A step of some length by a model.
-    pub fn new(pigments: [Kinetics; 3], model: Model, duration: Seconds) -> Self {
+    pub(crate) fn new(pigments: [Kinetics; 3], model: Model, duration: Seconds) -> Self {
         let forms = pigments.each_ref().map(|pigment| FirstOrderForm::new(pigment, duration));
         PigmentStep { pigments, model, duration, forms }
     }
@@ -69,12 +69,12 @@ impl PigmentStep {
     }
 
     /// The same step of an eye that does not bleach.
-    pub fn idle(self) -> Self {
+    pub(crate) fn idle(self) -> Self {
         PigmentStep { model: Model::Unbleached, ..self }
     }
 
     /// Moves a row's L, M, S pigment by one light, td, in double precision.
-    pub fn held(&self, td: [f64; 3], p: [&mut [f64]; 3]) -> LookStats {
+    pub(crate) fn held(&self, td: [f64; 3], p: [&mut [f64]; 3]) -> LookStats {
         let mut stats = LookStats { greatest: td, stepped: true, ..LookStats::EMPTY };
         for (k, row) in p.into_iter().enumerate() {
             let (mut from, mut to) = (f64::NAN, f64::NAN);
@@ -92,7 +92,7 @@ impl PigmentStep {
 
     /// Moves a tile's L, M, S pigment by its light, td, as far as the rule asks for. `bound`: what
     /// the tile may have lost unseen; `greatest`: of its light.
-    pub fn tile(
+    pub(crate) fn tile(
         &self,
         rule: &Rule,
         bound: &mut f64,
@@ -115,7 +115,7 @@ impl PigmentStep {
     }
 
     /// Moves a run of one cone class's pigment by a run of its light, td. Returns the least of it.
-    pub fn cone(&self, cone: usize, light: &[f32], p: &mut [f64]) -> f64 {
+    pub(crate) fn cone(&self, cone: usize, light: &[f32], p: &mut [f64]) -> f64 {
         let (pigment, form) = (&self.pigments[cone], self.forms[cone]);
         match (pigment.law, self.model) {
             (_, Model::Unbleached) => {}
@@ -147,7 +147,7 @@ impl PigmentStep {
     }
 
     /// The exact step of any law, within `budget` where as many sub-steps as are tried can keep it.
-    pub fn exact(&self, budget: f64, pigment: &Kinetics, p: f64, light: Trolands) -> f64 {
+    pub(crate) fn exact(&self, budget: f64, pigment: &Kinetics, p: f64, light: Trolands) -> f64 {
         let most = || step::enclosed(pigment, p, light, self.duration, step::MOST_SUBSTEPS);
         self.within(budget, pigment, p, light).unwrap_or_else(most).p
     }

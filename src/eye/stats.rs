@@ -4,17 +4,17 @@
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LookStats {
     /// Greatest cone illuminance, td.
-    pub greatest: [f64; 3],
+    pub(crate) greatest: [f64; 3],
     /// Least unbleached fraction.
     pub least: [f64; 3],
     /// Places that have lost more than half of their S pigment.
-    pub s_past_half: u64,
+    pub(crate) s_past_half: u64,
     /// Percept samples that a half float could not hold.
-    pub limited: u64,
+    pub(crate) limited: u64,
     /// The most that may have bleached unseen in a tile that was left untouched.
-    pub untouched: f64,
+    pub(crate) untouched: f64,
     /// Whether the pigment of any place was moved.
-    pub stepped: bool,
+    pub(crate) stepped: bool,
 }
 
 impl LookStats {

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::light::{Planes, Samples};
 
 /// The size of a picture that fits into a square, never larger than it was.
-pub fn size([width, height]: [usize; 2], side: usize) -> [usize; 2] {
+pub(crate) fn size([width, height]: [usize; 2], side: usize) -> [usize; 2] {
     let scale = (side as f64 / width.max(height) as f64).min(1.0);
     [width, height].map(|pixels| ((pixels as f64 * scale).round() as usize).max(1))
 }
@@ -26,7 +26,7 @@ pub(crate) fn covered(
 }
 
 /// The means of all planes over the pixels of a smaller picture.
-pub fn reduced(planes: &Planes, [width, height]: [usize; 2]) -> Planes {
+pub(crate) fn reduced(planes: &Planes, [width, height]: [usize; 2]) -> Planes {
     let (columns, rows) = (Shares::new(planes.width, width), Shares::new(planes.height, height));
     let mut means = vec![0.0; width * height * planes.count];
     let scratch =

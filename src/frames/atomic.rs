@@ -10,7 +10,7 @@ use tempfile::NamedTempFile;
 use crate::error::{Error, Result};
 
 /// A destination that can be written and wound back.
-pub trait Sink: Write + Seek {}
+pub(crate) trait Sink: Write + Seek {}
 impl<T: Write + Seek> Sink for T {}
 
 /// Writes a file through `fill`. Until it has returned, and when it fails, `path` stays as it was.

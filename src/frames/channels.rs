@@ -10,24 +10,24 @@ use crate::spectrum::{Band, Bands};
 /// What is known of the channels of one part of a file.
 pub(super) struct Offer<'a> {
     /// Channel names without the layer, in the file's order.
-    pub names: &'a [String],
+    pub(crate) names: &'a [String],
     /// Wavelength of a channel, m, where an attribute tells it (`wl0.wavelength`, as Ocean writes).
-    pub told: &'a dyn Fn(&str) -> Option<f64>,
+    pub(crate) told: &'a dyn Fn(&str) -> Option<f64>,
     /// Primaries, where the file tells.
-    pub primaries: Option<Primaries>,
+    pub(crate) primaries: Option<Primaries>,
 }
 
 /// The picture in a file: what its planes are and where they come from.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Choice {
-    pub kind: Kind,
+    pub(crate) kind: Kind,
     /// For each plane the index of its channel. Bands rise in wavelength.
-    pub channels: Vec<usize>,
+    pub(crate) channels: Vec<usize>,
     /// For each band, the factor to W m^-2 sr^-1 nm^-1; empty for RGB.
-    pub scale: Vec<f64>,
+    pub(crate) scale: Vec<f64>,
     /// Whether the three channels are luminance Y and the differences RY and BY.
-    pub chroma: bool,
-    pub notes: Vec<String>,
+    pub(crate) chroma: bool,
+    pub(crate) notes: Vec<String>,
 }
 
 /// Chooses the picture. The problem, if there is one, is a message.

@@ -17,22 +17,22 @@ use crate::units::Nits;
 
 /// The codes of a picture, row by row and pixel by pixel.
 pub(super) struct Codes {
-    pub width: usize,
-    pub height: usize,
+    pub(crate) width: usize,
+    pub(crate) height: usize,
     /// 1 grey, 2 grey and alpha, 3 RGB, 4 RGB and alpha.
-    pub channels: usize,
+    pub(crate) channels: usize,
     /// The greatest code.
-    pub top: u16,
-    pub samples: Vec<u16>,
+    pub(crate) top: u16,
+    pub(crate) samples: Vec<u16>,
 }
 
 /// What a file says its codes mean.
 #[derive(Clone, Debug)]
 pub(super) struct Meaning {
-    pub primaries: Primaries,
-    pub transfer: Transfer,
-    pub turn: Turn,
-    pub notes: Vec<String>,
+    pub(crate) primaries: Primaries,
+    pub(crate) transfer: Transfer,
+    pub(crate) turn: Turn,
+    pub(crate) notes: Vec<String>,
 }
 
 /// Refuses what cannot be asked of such a picture.

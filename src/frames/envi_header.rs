@@ -43,26 +43,26 @@ impl Stored {
 /// What the header says of the data beside it.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct EnviHeader {
-    pub samples: usize,
-    pub lines: usize,
-    pub bands: usize,
-    pub offset: u64,
-    pub stored: Stored,
-    pub interleave: Interleave,
-    pub big_endian: bool,
+    pub(crate) samples: usize,
+    pub(crate) lines: usize,
+    pub(crate) bands: usize,
+    pub(crate) offset: u64,
+    pub(crate) stored: Stored,
+    pub(crate) interleave: Interleave,
+    pub(crate) big_endian: bool,
     /// Centre of each band in the file's order, nm.
-    pub wavelengths: Vec<f64>,
+    pub(crate) wavelengths: Vec<f64>,
     /// Full width at half maximum of each band, nm; empty where it is not told.
-    pub fwhm: Vec<f64>,
+    pub(crate) fwhm: Vec<f64>,
     /// What stored numbers of each band are multiplied by; empty for 1.
-    pub gains: Vec<f64>,
+    pub(crate) gains: Vec<f64>,
     /// What is added then; empty for 0.
-    pub offsets: Vec<f64>,
+    pub(crate) offsets: Vec<f64>,
     /// Whether each band is to be trusted (`bbl`); empty where it is not told.
-    pub good: Vec<bool>,
+    pub(crate) good: Vec<bool>,
     /// The stored number that means no data.
-    pub ignore: Option<f64>,
-    pub notes: Vec<String>,
+    pub(crate) ignore: Option<f64>,
+    pub(crate) notes: Vec<String>,
 }
 
 impl EnviHeader {

@@ -21,9 +21,9 @@ pub(super) fn text(text: &Text) -> String {
 /// Windows are left, top, right, bottom, the last two included.
 #[derive(Clone, Debug, Serialize)]
 pub struct ExrDescription {
-    pub data_window: [i64; 4],
-    pub display_window: [i64; 4],
-    pub compression: String,
+    pub(crate) data_window: [i64; 4],
+    pub(crate) display_window: [i64; 4],
+    pub(crate) compression: String,
     pub channels: Vec<Channel>,
     /// Attributes beyond those that every file has.
     pub attributes: BTreeMap<String, String>,
@@ -33,7 +33,7 @@ pub struct ExrDescription {
 pub struct Channel {
     pub name: String,
     /// `half`, `float` or `uint`.
-    pub stored: &'static str,
+    pub(crate) stored: &'static str,
 }
 
 /// Describes one part.

@@ -26,12 +26,12 @@ const DENSEST_DWA: u64 = 65_536;
 
 /// A file whose headers were read.
 pub(super) struct ExrFile {
-    pub path: PathBuf,
-    pub meta: MetaData,
+    pub(crate) path: PathBuf,
+    pub(crate) meta: MetaData,
     /// Length of the file.
-    pub bytes: u64,
+    pub(crate) bytes: u64,
     /// Where the tables of offsets begin.
-    pub tables_at: u64,
+    pub(crate) tables_at: u64,
 }
 
 impl ExrFile {
@@ -110,11 +110,11 @@ fn sampling_is_sound(header: &Header) -> Result<(), String> {
 /// The picture of one part, as far as a window shows it.
 #[derive(Clone, Copy)]
 pub(super) struct Part<'a> {
-    pub file: &'a ExrFile,
-    pub index: usize,
-    pub header: &'a Header,
+    pub(crate) file: &'a ExrFile,
+    pub(crate) index: usize,
+    pub(crate) header: &'a Header,
     /// What is read: pixels in it that have no data are left as they are.
-    pub window: IntegerBounds,
+    pub(crate) window: IntegerBounds,
 }
 
 impl Part<'_> {

@@ -17,15 +17,15 @@ use crate::units::Nits;
 
 /// An OpenEXR file with its picture chosen.
 pub(super) struct ExrPicture {
-    pub file: ExrFile,
-    pub part: usize,
+    pub(crate) file: ExrFile,
+    pub(crate) part: usize,
     /// The pixels of the file that are read: the display window, and overscan.
-    pub canvas: IntegerBounds,
-    pub choice: Choice,
+    pub(crate) canvas: IntegerBounds,
+    pub(crate) choice: Choice,
     /// What the names of the layer's channels begin with.
-    pub prefix: String,
-    pub header: Header,
-    pub options: ReadOptions,
+    pub(crate) prefix: String,
+    pub(crate) header: Header,
+    pub(crate) options: ReadOptions,
 }
 
 impl ExrPicture {

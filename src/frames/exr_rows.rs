@@ -12,8 +12,8 @@ use crate::light::Sample;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     /// Bytes of the channels before it, per pixel.
-    pub before: usize,
-    pub kind: SampleType,
+    pub(crate) before: usize,
+    pub(crate) kind: SampleType,
 }
 
 impl Place {
@@ -28,16 +28,16 @@ impl Place {
 /// Consecutive rows, decompressed: one block of scan lines, or one row of tiles.
 pub(super) struct Rows {
     /// Columns of the data window, and their bytes: row by row, channel by channel.
-    pub blocks: Vec<(Range<usize>, Vec<u8>)>,
-    pub bytes_per_pixel: usize,
+    pub(crate) blocks: Vec<(Range<usize>, Vec<u8>)>,
+    pub(crate) bytes_per_pixel: usize,
     /// Row of the data window that the blocks begin with.
-    pub first: usize,
+    pub(crate) first: usize,
     /// Rows of the data window that lie in the window.
-    pub seen: Range<usize>,
+    pub(crate) seen: Range<usize>,
     /// Columns of the data window that lie in the window.
-    pub columns: Range<usize>,
+    pub(crate) columns: Range<usize>,
     /// Where the data window stands in the window.
-    pub offset: (i64, i64),
+    pub(crate) offset: (i64, i64),
 }
 
 impl Rows {

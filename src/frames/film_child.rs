@@ -102,14 +102,14 @@ impl Pump {
 
 impl Decoder {
     /// `known`: what ffprobe complained of.
-    pub fn new(path: &Path, layout: &Layout, frames: usize, known: Vec<String>) -> Decoder {
+    pub(crate) fn new(path: &Path, layout: &Layout, frames: usize, known: Vec<String>) -> Decoder {
         let (path, layout) = (path.to_owned(), layout.clone());
         Decoder { path, layout, frames, known, running: None, holds: None, bytes: Vec::new() }
     }
 
     /// The bytes of a frame, counted from 0. A frame that ffmpeg complains of and conceals is as bad
     /// as one that is not there; it decodes a few frames ahead, so the number may be too small.
-    pub fn frame(&mut self, index: usize) -> Result<&[u8]> {
+    pub(crate) fn frame(&mut self, index: usize) -> Result<&[u8]> {
         if self.holds != Some(index) {
             self.holds = None;
             if self.running.as_ref().is_none_or(|running| running.next > index) {

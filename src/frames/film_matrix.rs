@@ -8,10 +8,10 @@ pub struct Matrix {
 }
 
 impl Matrix {
-    pub const BT709: Matrix = Matrix { kr: 0.2126, kb: 0.0722 };
-    pub const BT601: Matrix = Matrix { kr: 0.299, kb: 0.114 };
+    pub(crate) const BT709: Matrix = Matrix { kr: 0.2126, kb: 0.0722 };
+    pub(crate) const BT601: Matrix = Matrix { kr: 0.299, kb: 0.114 };
     /// Of non-constant luminance.
-    pub const BT2020: Matrix = Matrix { kr: 0.2627, kb: 0.0593 };
+    pub(crate) const BT2020: Matrix = Matrix { kr: 0.2627, kb: 0.0593 };
 
     /// Cr, Y', Cb to R', G', B' in place.
     #[inline(always)]

@@ -13,20 +13,20 @@ use crate::frames::range::LONGEST;
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Stream {
-    pub width: usize,
-    pub height: usize,
-    pub pix_fmt: String,
-    pub color_range: Option<String>,
-    pub color_space: Option<String>,
-    pub color_transfer: Option<String>,
-    pub color_primaries: Option<String>,
-    pub chroma_location: Option<String>,
-    pub field_order: Option<String>,
-    pub sample_aspect_ratio: Option<String>,
-    pub avg_frame_rate: Option<String>,
-    pub r_frame_rate: Option<String>,
-    pub time_base: Option<String>,
-    pub side_data_list: Vec<SideData>,
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    pub(crate) pix_fmt: String,
+    pub(crate) color_range: Option<String>,
+    pub(crate) color_space: Option<String>,
+    pub(crate) color_transfer: Option<String>,
+    pub(crate) color_primaries: Option<String>,
+    pub(crate) chroma_location: Option<String>,
+    pub(crate) field_order: Option<String>,
+    pub(crate) sample_aspect_ratio: Option<String>,
+    pub(crate) avg_frame_rate: Option<String>,
+    pub(crate) r_frame_rate: Option<String>,
+    pub(crate) time_base: Option<String>,
+    pub(crate) side_data_list: Vec<SideData>,
 }
 
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -67,11 +67,11 @@ const ENTRIES: &str = "stream=width,height,pix_fmt,color_range,color_space,color
 
 /// What a probe tells.
 pub(super) struct Told {
-    pub stream: Stream,
+    pub(crate) stream: Stream,
     /// The starts of all frames and the end of the last, s from 0.
-    pub times: Vec<f64>,
+    pub(crate) times: Vec<f64>,
     /// What ffprobe complained of and yet went on.
-    pub complaints: Vec<String>,
+    pub(crate) complaints: Vec<String>,
 }
 
 /// Probes a film.
@@ -138,7 +138,7 @@ fn ratio(text: &str) -> Option<f64> {
 
 impl Stream {
     /// Frames a second, on average.
-    pub fn rate(&self) -> Option<f64> {
+    pub(crate) fn rate(&self) -> Option<f64> {
         ratio(self.avg_frame_rate.as_deref()?)
     }
 
@@ -162,7 +162,7 @@ impl Stream {
     }
 
     /// The EXIF orientation that stands for the film's rotation (degrees counterclockwise).
-    pub fn orientation(&self) -> u16 {
+    pub(crate) fn orientation(&self) -> u16 {
         let rotation = self.side_data_list.iter().find_map(|side| side.rotation).unwrap_or(0.0);
         match (rotation / 90.0).round().rem_euclid(4.0) as u8 {
             1 => 8,

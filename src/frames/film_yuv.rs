@@ -13,11 +13,11 @@ use crate::frames::options::ReadOptions;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Layout {
     /// The layout that ffmpeg is asked for: the stream's own, or the same codes in planes.
-    pub pix_fmt: String,
+    pub(crate) pix_fmt: String,
     /// Whether that is another than the stream's own.
-    pub repacked: bool,
-    pub width: usize,
-    pub height: usize,
+    pub(crate) repacked: bool,
+    pub(crate) width: usize,
+    pub(crate) height: usize,
     bits: u32,
     planes: Planes,
     /// Full range of codes, or the limited one.
@@ -39,7 +39,10 @@ enum Planes {
 impl Layout {
     /// The layout of a stream, and what had to be assumed. The problem, if there is one, is a
     /// message.
-    pub fn of(stream: &Stream, options: &ReadOptions) -> Result<(Layout, Vec<String>), String> {
+    pub(crate) fn of(
+        stream: &Stream,
+        options: &ReadOptions,
+    ) -> Result<(Layout, Vec<String>), String> {
         let (planes, bits, pix_fmt) =
             planes(&stream.pix_fmt).ok_or_else(|| unread(&stream.pix_fmt))?;
         let mut notes = Vec::new();
@@ -73,7 +76,7 @@ impl Layout {
     }
 
     /// Bytes of a frame.
-    pub fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         let alpha = usize::from(self.pix_fmt.contains("yuva") || self.pix_fmt.contains("gbrap"));
         let luma = self.width * self.height;
         let samples = match self.planes {
@@ -85,7 +88,7 @@ impl Layout {
     }
 
     /// Bits of a code.
-    pub fn bits(&self) -> u32 {
+    pub(crate) fn bits(&self) -> u32 {
         self.bits
     }
 
@@ -102,7 +105,7 @@ impl Layout {
     }
 
     /// R', G' and B' of row `y`: three runs of the frame's width. `room` is to work in.
-    pub fn signals(&self, frame: &[u8], y: usize, out: &mut [f32], room: &mut Vec<f32>) {
+    pub(crate) fn signals(&self, frame: &[u8], y: usize, out: &mut [f32], room: &mut Vec<f32>) {
         pulp::Arch::new().dispatch(Signals { layout: self, frame, y, out, room });
     }
 

@@ -67,12 +67,12 @@ pub trait Footage: Send + Sync {
 
 /// A file format: one static of each reader, listed in `FORMATS`.
 pub(super) struct Format {
-    pub name: &'static str,
+    pub(crate) name: &'static str,
     /// In lower case. Two formats may share one; [`Format::recognise`] then decides.
-    pub extensions: &'static [&'static str],
+    pub(crate) extensions: &'static [&'static str],
     /// Whether a file is of this format, by its first 16 bytes or by what lies beside it.
-    pub recognise: fn(&Path, &[u8]) -> bool,
-    pub open: fn(&Path, &ReadOptions) -> Result<Box<dyn Footage>>,
+    pub(crate) recognise: fn(&Path, &[u8]) -> bool,
+    pub(crate) open: fn(&Path, &ReadOptions) -> Result<Box<dyn Footage>>,
     /// Width, height and header of a file whose channels tell no picture.
-    pub outline: fn(&Path) -> Option<(usize, usize, ExrDescription)>,
+    pub(crate) outline: fn(&Path) -> Option<(usize, usize, ExrDescription)>,
 }

@@ -21,22 +21,22 @@ const FEW: usize = 8;
 /// What a file holds.
 #[derive(Clone, Debug, Serialize)]
 pub struct Inspection {
-    pub file: String,
-    pub format: String,
+    pub(crate) file: String,
+    pub(crate) format: String,
     /// The size of what is shown, without overscan: an EXR's display window.
     pub width: usize,
     pub height: usize,
     /// `rgb`, `spectral`, or nothing where the channels' names tell neither.
     pub kind: Option<&'static str>,
     /// x, y of red, green, blue and white.
-    pub primaries: Option<[[f64; 2]; 4]>,
+    pub(crate) primaries: Option<[[f64; 2]; 4]>,
     /// Centre, lower and upper limit of each band, nm.
     pub bands_nm: Option<Vec<[f64; 3]>>,
-    pub white_cd_m2: Option<f64>,
-    pub frames_per_second: Option<f64>,
+    pub(crate) white_cd_m2: Option<f64>,
+    pub(crate) frames_per_second: Option<f64>,
     /// Of a film.
-    pub frames: Option<usize>,
-    pub duration_s: Option<f64>,
+    pub(crate) frames: Option<usize>,
+    pub(crate) duration_s: Option<f64>,
     /// Smallest and largest luminance, where it can be told.
     pub luminance_cd_m2: Option<[f64; 2]>,
     /// Smallest and largest finite value of each plane, in the order of the bands or R, G, B,
@@ -45,7 +45,7 @@ pub struct Inspection {
     pub nan: u64,
     pub infinite: u64,
     pub negative: u64,
-    pub clipped: u64,
+    pub(crate) clipped: u64,
     #[serde(flatten)]
     pub exr: Option<ExrDescription>,
     pub notes: Vec<String>,
@@ -53,7 +53,7 @@ pub struct Inspection {
 
 /// For each plane of a frame the factor to its share of the luminance in cd/m2; nothing where that
 /// is unknown.
-pub type LuminanceWeights<'a> = &'a dyn Fn(&Header) -> Option<Vec<f64>>;
+pub(crate) type LuminanceWeights<'a> = &'a dyn Fn(&Header) -> Option<Vec<f64>>;
 
 /// Describes a file of a format.
 pub(super) fn inspect(

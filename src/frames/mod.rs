@@ -4,17 +4,17 @@
 //! * Which files: `sequence`, with `pattern` and `range`.
 //! * A picture file and its format: `picture`, `format`, `options`; one format each: `exr_*`, `radiance`,
 //!   `*_picture`, `envi*`, `film*`, listed in `FORMATS`. Footage of many files: `footage`.
-//! * Fewer pixels: `reduced`, by the means of [`area`].
+//! * Fewer pixels: `reduced`, by the means of `area`.
 //! * Codes made for a display to light: `displayed`, `transfer`.
 //! * What channels mean: `names`, `channels`. What is wrong with samples: `census`.
-//! * Scenes without a file: [`builtin`], [`uniform`].
+//! * Scenes without a file: `builtin`, `uniform`.
 //! * Files out: `written`, its blocks encoded by the crate `exr-blocks`; whole or not at all:
 //!   [`atomic`].
 //! * What a file holds, for people: `inspect*`, `exr_description`.
 
-pub mod area;
+pub(crate) mod area;
 pub mod atomic;
-pub mod builtin;
+pub(crate) mod builtin;
 mod census;
 mod channels;
 mod displayed;
@@ -40,7 +40,7 @@ mod format;
 mod inspect;
 mod inspect_text;
 mod jpeg_picture;
-pub mod memory;
+pub(crate) mod memory;
 mod names;
 mod options;
 mod pattern;
@@ -58,25 +58,29 @@ mod sequence;
 mod state;
 mod transfer;
 mod turn;
-pub mod uniform;
+pub(crate) mod uniform;
 mod visible;
 mod written;
 
-pub use exr_description::{Channel, ExrDescription};
+pub(crate) use exr_description::Channel;
 pub use exr_footage::read_exr;
-pub use film_matrix::Matrix;
+pub(crate) use film_matrix::Matrix;
 pub use format::Footage;
-pub use inspect::{Inspection, LuminanceWeights};
+pub use inspect::Inspection;
+pub(crate) use inspect::LuminanceWeights;
 pub use options::{ChannelNames, Negative, NonFinite, Overscan, Quantity, ReadOptions, Wanted};
 pub use picture::{Header, Kind, View, ViewProjection};
-pub use plate::{Plate, write_percept};
+pub use plate::write_percept;
 pub use png_bytes::decode_png;
-pub use range::parse as parse_range;
-pub use reduced::no_wider;
+pub(crate) use range::parse as parse_range;
+pub(crate) use reduced::no_wider;
 pub use sequence::{Missing, Sequence};
-pub use state::{read_state, write_state};
-pub use transfer::{Transfer, TransferKey};
-pub use written::{About, Compression, encode_png, write_exr, write_png};
+pub(crate) use state::{read_state, write_state};
+pub use transfer::Transfer;
+pub(crate) use transfer::TransferKey;
+#[cfg(feature = "view")]
+pub(crate) use written::encode_png;
+pub use written::{About, Compression, write_exr, write_png};
 
 use std::path::{Path, PathBuf};
 

@@ -43,7 +43,7 @@ pub struct Header {
 
 impl Header {
     /// A header that tells only size and kind.
-    pub fn new(width: usize, height: usize, kind: Kind) -> Header {
+    pub(crate) fn new(width: usize, height: usize, kind: Kind) -> Header {
         let notes = Vec::new();
         let (white, transfer, frames_per_second, view) = (None, None, None, None);
         Header { width, height, kind, white, transfer, frames_per_second, view, notes }

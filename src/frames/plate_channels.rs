@@ -12,7 +12,7 @@ use crate::light::Planes;
 
 /// A channel as it is written.
 pub(super) struct Carried {
-    pub description: ChannelDescription,
+    pub(crate) description: ChannelDescription,
     /// Where the source has its samples.
     source: Option<Place>,
     /// The plane that replaces them.
@@ -81,11 +81,11 @@ impl Carried {
 
 /// The new colours of a plate.
 pub(super) struct Colours<'a> {
-    pub planes: &'a Planes,
+    pub(crate) planes: &'a Planes,
     /// The pixels of the file that they are of.
-    pub window: IntegerBounds,
+    pub(crate) window: IntegerBounds,
     /// The factor from the plate's numbers to theirs.
-    pub gain: f32,
+    pub(crate) gain: f32,
 }
 
 impl Colours<'_> {

@@ -4,7 +4,7 @@
 pub(super) const LONGEST: usize = 1_000_000;
 
 /// The numbers of a range, rising, each once.
-pub fn parse(text: &str) -> Result<Vec<u32>, String> {
+pub(crate) fn parse(text: &str) -> Result<Vec<u32>, String> {
     let mut numbers = Vec::new();
     for part in text.split(',') {
         let (first, last, step) = span(part.trim()).ok_or_else(|| {

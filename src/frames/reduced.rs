@@ -17,7 +17,7 @@ struct Reduced {
 }
 
 /// Footage no wider than so many pixels. Narrower footage stays as it is.
-pub fn no_wider(footage: Box<dyn Footage>, width: usize) -> Box<dyn Footage> {
+pub(crate) fn no_wider(footage: Box<dyn Footage>, width: usize) -> Box<dyn Footage> {
     let of_whole = footage.header();
     if of_whole.width <= width {
         return footage;

@@ -29,9 +29,9 @@ pub struct Sequence {
     /// For each frame the index of its file.
     pub shows: Vec<usize>,
     /// The numbers that had no file and show the one before.
-    pub held: Vec<u32>,
+    pub(crate) held: Vec<u32>,
     /// One file that is stared at. The only file of a pattern is a frame of its own number.
-    pub is_still: bool,
+    pub(crate) is_still: bool,
     /// The range that was asked for.
     range: String,
 }

@@ -11,13 +11,13 @@ use crate::light::{Planes, Samples};
 pub(super) const CHANNELS: [&str; 3] = ["unbleached.L", "unbleached.M", "unbleached.S"];
 
 /// Writes three float planes of unbleached fractions. `note`: JSON for the attribute `sungaze`.
-pub fn write_state(path: &Path, planes: &Planes, note: &str) -> Result<()> {
+pub(crate) fn write_state(path: &Path, planes: &Planes, note: &str) -> Result<()> {
     let about = About { sungaze: Some(note.to_owned()), ..About::default() };
     write_exr(path, &CHANNELS, planes, Compression::Zip, &about)
 }
 
 /// Reads a state file: three float planes, shape of its display window.
-pub fn read_state(path: &Path, max_pixels: u64) -> Result<Planes> {
+pub(crate) fn read_state(path: &Path, max_pixels: u64) -> Result<Planes> {
     let file = ExrFile::open(path)?;
     let part = file.part(0, max_pixels)?;
     let names: Vec<String> = part.header.channels.list.iter().map(|c| c.name.to_string()).collect();

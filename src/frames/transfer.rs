@@ -35,7 +35,7 @@ impl Transfer {
     pub(crate) const BT1886: Transfer = Transfer::Power(2.4);
 
     /// Luminance of (1, 1, 1), where the curve itself says: PQ is absolute, its light in cd/m2.
-    pub fn white(self) -> Option<Nits> {
+    pub(crate) fn white(self) -> Option<Nits> {
         match self {
             Transfer::Pq => Some(Nits(1.0)),
             Transfer::Hlg(peak) => peak.map(Nits),
@@ -44,7 +44,7 @@ impl Transfer {
     }
 
     /// Light of one channel's signal; for HLG the light of the scene, before [`Transfer::shown`].
-    pub fn light(self, signal: f64) -> f64 {
+    pub(crate) fn light(self, signal: f64) -> f64 {
         let signal = signal.max(0.0);
         match self {
             Transfer::Srgb if signal <= 0.04045 => signal / 12.92,
@@ -58,7 +58,7 @@ impl Transfer {
 
     /// The light that a display shows for the light of three channels. Only HLG mixes them: its
     /// OOTF raises their luminance (in BT.2020) to a power that depends on the display's peak.
-    pub fn shown(self, rgb: [f32; 3]) -> [f32; 3] {
+    pub(crate) fn shown(self, rgb: [f32; 3]) -> [f32; 3] {
         let Transfer::Hlg(peak) = self else { return rgb };
         let y = 0.2627 * rgb[0] + 0.6780 * rgb[1] + 0.0593 * rgb[2];
         // Below 177 cd/m2 the power is negative, and black is black all the same.
@@ -71,7 +71,7 @@ impl Transfer {
 /// `input.transfer`: the curve to decode by, whatever the file says.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum TransferKey {
+pub(crate) enum TransferKey {
     /// The file's own.
     #[default]
     Auto,
@@ -84,7 +84,7 @@ pub enum TransferKey {
 
 impl TransferKey {
     /// The curve for a display of this peak, cd/m2; nothing for the file's own.
-    pub fn transfer(self, peak: Option<f64>) -> Option<Transfer> {
+    pub(crate) fn transfer(self, peak: Option<f64>) -> Option<Transfer> {
         match self {
             TransferKey::Auto => None,
             TransferKey::Pq => Some(Transfer::Pq),

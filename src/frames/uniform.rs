@@ -13,7 +13,7 @@ pub(crate) const FIELD_DEG: f64 = 10.0;
 
 /// Frames of one spectrum, each of its own strength.
 #[derive(Clone, Debug)]
-pub struct UniformField {
+pub(crate) struct UniformField {
     header: Header,
     moments: Vec<Vec<f64>>,
 }
@@ -21,7 +21,7 @@ pub struct UniformField {
 impl UniformField {
     /// A field of `size` (width, height). `lights`: strengths for L, M and S cones, one triple a
     /// frame; three times 1 is one cd/m2 of the spectrum.
-    pub fn new(
+    pub(crate) fn new(
         observer: Observer,
         size: [usize; 2],
         spectrum: &Curve,

@@ -277,7 +277,7 @@ pub fn write_png(path: &Path, width: usize, height: usize, rgb: &[u8]) -> Result
 }
 
 /// Encodes such a picture.
-pub fn encode_png(
+pub(crate) fn encode_png(
     sink: impl std::io::Write,
     width: usize,
     height: usize,

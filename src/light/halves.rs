@@ -55,7 +55,7 @@ fn widened(half: u16) -> f32 {
 }
 
 /// Floats -> halves. Returns whether any became infinite. Both runs are of one length.
-pub fn narrow(from: &[f32], to: &mut [f16]) -> bool {
+pub(crate) fn narrow(from: &[f32], to: &mut [f16]) -> bool {
     assert_eq!(from.len(), to.len());
     #[cfg(target_arch = "x86_64")]
     if let Some(v4) = pulp::x86::V4::try_new() {

@@ -19,9 +19,10 @@ use std::ops::Range;
 use half::f16;
 use ndarray::{ArrayView3, Axis};
 
-pub use halves::{narrow, widen};
-pub use survey::{Cells, Survey, SurveyRow};
-pub use tile::PlaneTile;
+pub(crate) use halves::narrow;
+pub use halves::widen;
+pub(crate) use survey::{Cells, Survey, SurveyRow};
+pub(crate) use tile::PlaneTile;
 pub use window::Window;
 
 /// Samples of all planes, in the width of the file they came from.
@@ -42,7 +43,7 @@ pub struct Planes {
 
 /// One row of all planes: `count` runs of `width` samples.
 #[derive(Clone, Copy, Debug)]
-pub enum Row<'a> {
+pub(crate) enum Row<'a> {
     Half(&'a [f16]),
     Float(&'a [f32]),
 }
@@ -54,7 +55,7 @@ impl Planes {
     }
 
     /// The samples as floats of this size, old or new, to be written over.
-    pub fn floats(&mut self, width: usize, height: usize, count: usize) -> &mut [f32] {
+    pub(crate) fn floats(&mut self, width: usize, height: usize, count: usize) -> &mut [f32] {
         let fits =
             matches!(&self.samples, Samples::Float(old) if old.len() == width * height * count);
         if !fits {
@@ -104,7 +105,7 @@ impl Planes {
     }
 
     /// Row `y`, all planes.
-    pub fn row(&self, y: usize) -> Row<'_> {
+    pub(crate) fn row(&self, y: usize) -> Row<'_> {
         let n = self.count * self.width;
         match &self.samples {
             Samples::Half(v) => Row::Half(&v[y * n..][..n]),
@@ -114,7 +115,7 @@ impl Planes {
 
     /// A run of plane `i` in row `y` as single floats, converted into `room` where it is stored as
     /// half.
-    pub fn run<'a>(
+    pub(crate) fn run<'a>(
         &'a self,
         i: usize,
         y: usize,
@@ -134,7 +135,7 @@ impl Planes {
     }
 
     /// Every sample times a number, as single floats.
-    pub fn scaled(self, factor: f32) -> Planes {
+    pub(crate) fn scaled(self, factor: f32) -> Planes {
         let mut floats = match self.samples {
             Samples::Float(floats) => floats,
             Samples::Half(halves) => {
@@ -289,7 +290,7 @@ pub struct Tally {
 
 impl Tally {
     /// The sum of two counts.
-    pub fn plus(self, other: Tally) -> Tally {
+    pub(crate) fn plus(self, other: Tally) -> Tally {
         Tally {
             nan: self.nan + other.nan,
             infinite: self.infinite + other.infinite,
@@ -299,7 +300,7 @@ impl Tally {
     }
 
     /// NaN and infinite samples.
-    pub fn non_finite(self) -> u64 {
+    pub(crate) fn non_finite(self) -> u64 {
         self.nan + self.infinite
     }
 }

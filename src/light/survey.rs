@@ -11,17 +11,17 @@ use pulp::{Arch, Simd, WithSimd};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Survey {
     /// Mean luminance of each foveal cell.
-    pub cells: Vec<f32>,
+    pub(crate) cells: Vec<f32>,
     /// The darkest pixel that gives light at all; 0 where none does.
     pub least: f32,
     /// The brightest pixel; 0 where none gives light.
-    pub greatest: f32,
+    pub(crate) greatest: f32,
     /// Mean of all pixels.
-    pub mean: f64,
+    pub(crate) mean: f64,
     /// Mean of the outermost pixels, one in sixteen of the height on each side.
-    pub edge: f64,
+    pub(crate) edge: f64,
     /// Column and row of the first of the brightest pixels.
-    pub brightest: (usize, usize),
+    pub(crate) brightest: (usize, usize),
 }
 
 /// Pixels that are looked at side by side.
@@ -69,7 +69,7 @@ fn first(run: &[f32], value: f32) -> Option<usize> {
 
 /// How a picture is cut into foveal cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Cells {
+pub(crate) struct Cells {
     width: usize,
     height: usize,
     columns: usize,
@@ -78,7 +78,7 @@ pub struct Cells {
 
 /// What one row adds to a survey.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SurveyRow {
+pub(crate) struct SurveyRow {
     sum: f64,
     least: f32,
     greatest: f32,
@@ -119,7 +119,7 @@ impl Cells {
     const ENOUGH: f64 = 1000.0;
 
     /// Cells of one degree or less, never under one pixel, all of one size within a pixel.
-    pub fn new(width: usize, height: usize, pixels_per_degree: f64) -> Self {
+    pub(crate) fn new(width: usize, height: usize, pixels_per_degree: f64) -> Self {
         let side =
             pixels_per_degree.min((width as f64 * height as f64 / Self::ENOUGH).sqrt()).max(1.0);
         let along =
@@ -133,7 +133,7 @@ impl Cells {
     }
 
     /// What a row of luminances adds. Negative light counts as none.
-    pub fn row(&self, luminance: &[f32]) -> SurveyRow {
+    pub(crate) fn row(&self, luminance: &[f32]) -> SurveyRow {
         Arch::new().dispatch(RowOf { cells: self, luminance })
     }
 

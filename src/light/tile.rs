@@ -13,13 +13,19 @@ pub struct PlaneTile<'a> {
 
 impl<'a> PlaneTile<'a> {
     /// Planes of `width` samples one after the other.
-    pub fn whole(samples: &'a [f32], width: usize) -> Self {
+    pub(crate) fn whole(samples: &'a [f32], width: usize) -> Self {
         PlaneTile { samples, stride: width, from: 0, width }
     }
 
     /// The run of `width` places that begins at `from`. Halves are widened into `room`, which must
     /// be as long as all planes of the run (`kernel::tiles` sees to that).
-    pub fn of(row: Row<'a>, count: usize, from: usize, width: usize, room: &'a mut [f32]) -> Self {
+    pub(crate) fn of(
+        row: Row<'a>,
+        count: usize,
+        from: usize,
+        width: usize,
+        room: &'a mut [f32],
+    ) -> Self {
         match row {
             Row::Float(samples) => {
                 PlaneTile { samples, stride: samples.len() / count, from, width }
@@ -36,13 +42,8 @@ impl<'a> PlaneTile<'a> {
     }
 
     /// How many places.
-    pub fn width(&self) -> usize {
+    pub(crate) fn width(&self) -> usize {
         self.width
-    }
-
-    /// How many planes.
-    pub fn count(&self) -> usize {
-        self.samples.len() / self.stride
     }
 
     /// How far behind place `at` of a plane its place `at` + `places` is stored: in the next row,
@@ -55,7 +56,7 @@ impl<'a> PlaneTile<'a> {
 
     /// The run of one plane.
     #[inline(always)]
-    pub fn plane(&self, i: usize) -> &'a [f32] {
+    pub(crate) fn plane(&self, i: usize) -> &'a [f32] {
         &self.samples[i * self.stride + self.from..][..self.width]
     }
 }

@@ -24,7 +24,7 @@ impl Window {
 
     /// The place in pixels of the frame, whose centres are integers, of fractions of the window's
     /// width and height.
-    pub fn pixel(&self, at: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn pixel(&self, at: [f64; 2]) -> [f64; 2] {
         self.in_frame([0, 1].map(|i| at[i] * self.size[i] as f64 - 0.5))
     }
 
@@ -39,7 +39,7 @@ impl Window {
     }
 
     /// The fractions of a place in pixels of the frame: the inverse of [`Window::pixel`].
-    pub fn fraction(&self, place: [f64; 2]) -> [f64; 2] {
+    pub(crate) fn fraction(&self, place: [f64; 2]) -> [f64; 2] {
         let place = self.in_window(place);
         [0, 1].map(|i| (place[i] + 0.5) / self.size[i] as f64)
     }
@@ -51,7 +51,7 @@ impl Window {
     }
 
     /// The part of a frame's planes that a display shows.
-    pub fn of<'a>(&self, planes: &'a Planes) -> Cow<'a, Planes> {
+    pub(crate) fn of<'a>(&self, planes: &'a Planes) -> Cow<'a, Planes> {
         let ([width, height], count) = (self.size, planes.count);
         if self.size == [planes.width, planes.height] {
             return Cow::Borrowed(planes);

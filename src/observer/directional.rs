@@ -19,7 +19,7 @@ use super::fundamentals::lens_density;
 use super::pupil::{LARGEST, SMALLEST};
 
 /// Largest relative error of eta from its levels, over all wavelengths and pupils.
-pub const LEVEL_BOUND: f64 = 1e-5;
+pub(crate) const LEVEL_BOUND: f64 = 1e-5;
 
 /// Density of lens that a ray at the pupil's margin does not cross, per unit of lens density,
 /// mm^-2: derived for a lens of 3.6 mm with radii of 10 and 6 mm.
@@ -83,7 +83,7 @@ impl Directional {
     }
 
     /// The fixed levels of p, mm^-2.
-    pub fn levels(&self) -> &[f64] {
+    pub(crate) fn levels(&self) -> &[f64] {
         &self.levels
     }
 
@@ -103,32 +103,21 @@ impl Directional {
 
     /// eta of each level for a pupil, at `r` from its centre (which only the paper's reading uses).
     /// Zeros follow where there are fewer than [`MOST_LEVELS`].
-    pub fn weights(&self, pupil: Millimetres, r: Millimetres) -> [f64; MOST_LEVELS] {
+    pub(crate) fn weights(&self, pupil: Millimetres, r: Millimetres) -> [f64; MOST_LEVELS] {
         std::array::from_fn(|j| {
             self.levels.get(j).map_or(0.0, |&p| eta(self.reading, p, pupil.0, r.0))
         })
     }
 
     /// eta at every wavelength, from p(lambda) itself (paper Eq. 5, or its mean over the pupil).
-    pub fn exact(&self, pupil: Millimetres, r: Millimetres) -> Curve {
+    pub(crate) fn exact(&self, pupil: Millimetres, r: Millimetres) -> Curve {
         Curve(self.steepness.0.iter().map(|&p| eta(self.reading, p, pupil.0, r.0)).collect())
-    }
-
-    /// eta at every wavelength, through the levels.
-    pub fn curve(&self, pupil: Millimetres, r: Millimetres) -> Curve {
-        let mut sum = Curve::sampled(|_| 0.0);
-        for (share, weight) in self.shares.iter().zip(self.weights(pupil, r)) {
-            for (total, s) in sum.0.iter_mut().zip(&share.0) {
-                *total += s * weight;
-            }
-        }
-        sum
     }
 }
 
 impl Steepness {
     /// p(lambda), mm^-2.
-    pub fn curve(self) -> Curve {
+    pub(crate) fn curve(self) -> Curve {
         let measured = || Curve::sampled(|nm| STILES_CRAWFORD.interpolated("p", nm));
         match self {
             Steepness::Measured => measured(),
@@ -146,7 +135,7 @@ impl Steepness {
 }
 
 /// eta for one p: exact, without levels.
-pub fn eta(reading: Reading, p: f64, pupil_mm: f64, r_mm: f64) -> f64 {
+pub(crate) fn eta(reading: Reading, p: f64, pupil_mm: f64, r_mm: f64) -> f64 {
     match reading {
         Reading::Off => 1.0,
         Reading::Paper { .. } => {
@@ -161,7 +150,7 @@ pub fn eta(reading: Reading, p: f64, pupil_mm: f64, r_mm: f64) -> f64 {
 }
 
 /// No steepness asks for more levels.
-pub const MOST_LEVELS: usize = 10;
+pub(crate) const MOST_LEVELS: usize = 10;
 
 /// Chebyshev nodes of an interval; its middle if it is a point.
 fn nodes(low: f64, high: f64, count: usize) -> Vec<f64> {
@@ -200,6 +189,19 @@ fn worst_error(reading: Reading, low: f64, high: f64, count: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    impl Directional {
+        /// eta at every wavelength, through the levels.
+        fn curve(&self, pupil: Millimetres, r: Millimetres) -> Curve {
+            let mut sum = Curve::sampled(|_| 0.0);
+            for (share, weight) in self.shares.iter().zip(self.weights(pupil, r)) {
+                for (total, s) in sum.0.iter_mut().zip(&share.0) {
+                    *total += s * weight;
+                }
+            }
+            sum
+        }
+    }
 
     #[test]
     fn levels_reproduce_the_weight_of_every_wavelength_and_pupil_within_the_bound() {

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::spectrum::{CIE1964, CONE_PIECES, Curve};
 
 /// L, M, S: the order of every triple.
-pub const CONES: [&str; 3] = ["L", "M", "S"];
+pub(crate) const CONES: [&str; 3] = ["L", "M", "S"];
 
 /// A published set of fundamentals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -83,7 +83,7 @@ impl Set {
 
 /// The three fundamentals of one observer and how they narrow.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Fundamentals {
+pub(crate) struct Fundamentals {
     unbleached: [Curve; 3],
     absorbance: [Curve; 3],
     density: [f64; 3],
@@ -91,7 +91,7 @@ pub struct Fundamentals {
 
 impl Fundamentals {
     /// The set at a field size and peak densities.
-    pub fn new(set: Set, field: Field, density: [f64; 3]) -> Self {
+    pub(crate) fn new(set: Set, field: Field, density: [f64; 3]) -> Self {
         let absorbance = ["l", "m", "s"]
             .map(|cone| piece(&format!("log10_absorbance_{cone}"), |log| 10f64.powf(log)));
         let unbleached = match set {
@@ -103,7 +103,7 @@ impl Fundamentals {
 
     /// The fundamentals behind a filter, with unit peaks again, and what each peak is of what it
     /// was.
-    pub fn behind(mut self, filter: &Curve) -> (Self, [f64; 3]) {
+    pub(crate) fn behind(mut self, filter: &Curve) -> (Self, [f64; 3]) {
         let passed = [0, 1, 2].map(|k| {
             let (whole, behind) = (&self.unbleached[k], self.unbleached[k].times(filter));
             let passed = behind.peak() / whole.peak();
@@ -114,18 +114,18 @@ impl Fundamentals {
     }
 
     /// Peak axial optical density of each class.
-    pub fn density(&self) -> [f64; 3] {
+    pub(crate) fn density(&self) -> [f64; 3] {
         self.density
     }
 
     /// s_k(.; 1): energy units, unit peak (of the 1993 set to 2e-4, as its printed coefficients
     /// have it).
-    pub fn unbleached(&self, cone: usize) -> &Curve {
+    pub(crate) fn unbleached(&self, cone: usize) -> &Curve {
         &self.unbleached[cone]
     }
 
     /// s_k(.; p): the bleached fundamental, divided by the peak of the unbleached one.
-    pub fn depleted(&self, cone: usize, p: f64) -> Curve {
+    pub(crate) fn depleted(&self, cone: usize, p: f64) -> Curve {
         if p == 1.0 { self.unbleached[cone].clone() } else { self.per_pigment(cone, p).scaled(p) }
     }
 
@@ -166,7 +166,7 @@ fn piece(column: &str, f: impl Fn(f64) -> f64) -> Curve {
 }
 
 /// Density of the lens of a 32-year-old (CIE 170-1:2006).
-pub fn lens_density() -> Curve {
+pub(crate) fn lens_density() -> Curve {
     piece("lens_density", |d| d)
 }
 

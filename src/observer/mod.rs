@@ -1,11 +1,11 @@
 //! The observer: what light means to one place on the retina. Knows nothing of time, pictures or
 //! files.
 
-pub mod directional;
-pub mod fundamentals;
-pub mod lens;
-pub mod photometry;
-pub mod pupil;
+pub(crate) mod directional;
+pub(crate) mod fundamentals;
+pub(crate) mod lens;
+pub(crate) mod photometry;
+pub(crate) mod pupil;
 
 use serde::{Deserialize, Serialize};
 
@@ -14,9 +14,11 @@ use crate::spectrum::Curve;
 use crate::units::{Degrees, Millimetres, Trolands};
 
 pub use directional::{Directional, Reading, Steepness};
-pub use fundamentals::{CONES, Field, Fundamentals, Set};
-pub use photometry::Photometry;
-pub use pupil::{Adapting, Dynamics, Pupil, Rule};
+pub(crate) use fundamentals::{CONES, Fundamentals};
+pub use fundamentals::{Field, Set};
+pub(crate) use photometry::Photometry;
+pub use pupil::{Adapting, Rule};
+pub(crate) use pupil::{Dynamics, Pupil};
 
 /// What "narrowing the fundamentals by the bleaching percentage" means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -32,13 +34,13 @@ pub enum Narrowing {
 /// Everything that differs between people, but for the speed of their pigments.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Observer {
-    pub fundamentals: Fundamentals,
-    pub lms_to_xyz: Matrix,
-    pub narrowing: Narrowing,
+    pub(crate) fundamentals: Fundamentals,
+    pub(crate) lms_to_xyz: Matrix,
+    pub(crate) narrowing: Narrowing,
     pub directional: Directional,
     pub pupil: Rule,
-    pub dynamics: Dynamics,
-    pub fovea: Degrees,
+    pub(crate) dynamics: Dynamics,
+    pub(crate) fovea: Degrees,
     /// K, lm/W: radiance weighted by this observer's own V -> cd/m2.
     pub lumens_per_watt: f64,
     cone_troland: [f64; 3],
@@ -89,7 +91,7 @@ impl Observer {
     /// Trolands are counted before the lens, so an older retina gets less of them: c_k. The eye is
     /// used to its lens: D65 stays white, of the same luminance, so K is that of the tabulated
     /// observer.
-    pub fn aged(self, age: f64) -> Self {
+    pub(crate) fn aged(self, age: f64) -> Self {
         let whites = |f: &Fundamentals| {
             let d65 = photometry::d65();
             [0, 1, 2].map(|k| d65.times(f.unbleached(k)).integral())
@@ -108,7 +110,7 @@ impl Observer {
     }
 
     /// c_k: makes an equal-energy light of 1 td give 1 in every class of the tabulated observer.
-    pub fn cone_troland(&self) -> [f64; 3] {
+    pub(crate) fn cone_troland(&self) -> [f64; 3] {
         self.cone_troland
     }
 
@@ -146,7 +148,7 @@ impl Observer {
 
     /// What a catch is divided by for the narrowing: the peak of s_k(.; p), relative to that at p =
     /// 1, or 1.
-    pub fn own_peak(&self, cone: usize, p: f64) -> f64 {
+    pub(crate) fn own_peak(&self, cone: usize, p: f64) -> f64 {
         match self.narrowing {
             Narrowing::Depleted => 1.0,
             Narrowing::Narrowed if p == 0.0 => f64::MIN_POSITIVE,

@@ -17,16 +17,16 @@ use crate::units::LUMENS_PER_WATT;
 
 /// Luminous efficacy and colour space of one observer.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Photometry {
+pub(crate) struct Photometry {
     /// K, lm/W: radiance weighted by the observer's own V -> cd/m2.
-    pub lumens_per_watt: f64,
+    pub(crate) lumens_per_watt: f64,
     /// LMS -> XYZ, on which D65 has its own chromaticity.
-    pub lms_to_xyz: Matrix,
+    pub(crate) lms_to_xyz: Matrix,
 }
 
 impl Photometry {
     /// The photometry of fundamentals whose published LMS -> XYZ is this.
-    pub fn new(fundamentals: &Fundamentals, published: &Matrix) -> Self {
+    pub(crate) fn new(fundamentals: &Fundamentals, published: &Matrix) -> Self {
         let d65 = d65();
         let y_1931: f64 =
             Curve::wavelengths().zip(&d65.0).map(|(nm, e)| CIE1931.interpolated("y", nm) * e).sum();
@@ -42,7 +42,7 @@ impl Photometry {
 }
 
 /// CIE standard illuminant D65 at every nanometre, to the end of its table at 780 nm.
-pub fn d65() -> Curve {
+pub(crate) fn d65() -> Curve {
     Curve::sampled(|nm| if nm <= 780.0 { D65.interpolated("d65", nm) } else { 0.0 })
 }
 

@@ -82,22 +82,22 @@ fn watson_yellott(light: Adapting, age: f64, eyes: u8) -> f64 {
 }
 
 /// Area of a pupil, mm2 (paper Eq. 2).
-pub fn area(diameter: Millimetres) -> f64 {
+pub(crate) fn area(diameter: Millimetres) -> f64 {
     std::f64::consts::PI * diameter.0 * diameter.0 / 4.0
 }
 
 /// How a pupil follows its rule: a delay, then a first-order filter on the diameter. Zeros: at
 /// once.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Dynamics {
-    pub delay: Seconds,
-    pub closing: Seconds,
-    pub opening: Seconds,
+pub(crate) struct Dynamics {
+    pub(crate) delay: Seconds,
+    pub(crate) closing: Seconds,
+    pub(crate) opening: Seconds,
 }
 
 /// A pupil in time: settled on the first frame; a frame is seen through the diameter at its end.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Pupil {
+pub(crate) struct Pupil {
     rule: Rule,
     dynamics: Dynamics,
     now: f64,
@@ -108,12 +108,12 @@ pub struct Pupil {
 
 impl Pupil {
     /// A pupil that has seen no light yet.
-    pub fn new(rule: Rule, dynamics: Dynamics) -> Self {
+    pub(crate) fn new(rule: Rule, dynamics: Dynamics) -> Self {
         Pupil { rule, dynamics, now: 0.0, diameter: None, targets: VecDeque::new() }
     }
 
     /// Follows one frame of light and returns the diameter at its end.
-    pub fn follow(&mut self, light: Adapting, duration: Seconds) -> Millimetres {
+    pub(crate) fn follow(&mut self, light: Adapting, duration: Seconds) -> Millimetres {
         let target = self.rule.diameter(light).0;
         let end = self.now + duration.0;
         if self.diameter.is_none() {
@@ -146,7 +146,7 @@ impl Pupil {
     }
 
     /// Whether another pupil follows the same rule, from a sound diameter and time.
-    pub fn fits(&self, other: &Pupil) -> bool {
+    pub(crate) fn fits(&self, other: &Pupil) -> bool {
         let sound = |(from, d): &(f64, f64)| !from.is_nan() && d.is_finite();
         (self.rule, self.dynamics) == (other.rule, other.dynamics)
             && other.now.is_finite()

@@ -25,13 +25,13 @@ const LEAVES: f64 = 0.25;
 /// Where the cells of a canvas lie: cell `i` of an axis at pixel `cell (i - before[axis])` of the
 /// picture.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Extent {
+pub(crate) struct Extent {
     /// Columns and rows of cells.
-    pub size: [usize; 2],
+    pub(crate) size: [usize; 2],
     /// Pixels from cell to cell.
-    pub cell: usize,
+    pub(crate) cell: usize,
     /// Cells before the picture's first pixel.
-    pub before: [usize; 2],
+    pub(crate) before: [usize; 2],
 }
 
 impl Extent {
@@ -48,7 +48,7 @@ impl Extent {
 
 /// The canvas around pictures of one size.
 #[derive(Clone, Debug)]
-pub struct VeilAround {
+pub(crate) struct VeilAround {
     extent: Extent,
     level: usize,
     pyramid: Pyramid,

@@ -26,18 +26,18 @@ const FINEST_DEG: f64 = 0.004;
 /// One Gaussian: standard deviation in pixels, and the share of the light that it spreads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Node {
-    pub sigma: f64,
-    pub weight: f64,
+    pub(crate) sigma: f64,
+    pub(crate) weight: f64,
 }
 
 /// A point spread function per pixel at a distance r in pixels: the Gaussians + `constant` +
 /// `quadratic` r^2, which is short of what it stands for by at most `quartic` r^4.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Gaussians {
-    pub nodes: Vec<Node>,
-    pub constant: f64,
-    pub quadratic: f64,
-    pub quartic: f64,
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) constant: f64,
+    pub(crate) quadratic: f64,
+    pub(crate) quartic: f64,
 }
 
 impl Gaussians {

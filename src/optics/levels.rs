@@ -25,16 +25,16 @@ const CUMULANT: f64 = 0.75;
 
 /// How finely the pyramid works.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Depth {
+pub(crate) struct Depth {
     /// Least standard deviation of a Gaussian on its level, in the level's pixels, but for level 0.
-    pub low: f64,
+    pub(crate) low: f64,
     /// Radius of a Gaussian's taps, in standard deviations.
-    pub reach: f64,
+    pub(crate) reach: f64,
 }
 
 /// Depths from the coarsest to the finest. A step of sqrt 2 moves every second Gaussian one level
 /// down: there is none between.
-pub const DEPTHS: [Depth; 4] = [
+pub(crate) const DEPTHS: [Depth; 4] = [
     Depth { low: 1.1, reach: 3.5 },
     Depth { low: 1.556, reach: 4.0 },
     Depth { low: 2.2, reach: 4.5 },
@@ -62,10 +62,10 @@ impl Depth {
 /// A Gaussian on its level: taps of one dimension, from the middle on.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Placed {
-    pub level: usize,
-    pub taps: Vec<f64>,
+    pub(crate) level: usize,
+    pub(crate) taps: Vec<f64>,
     /// The share of the light that it spreads.
-    pub weight: f64,
+    pub(crate) weight: f64,
 }
 
 impl Placed {

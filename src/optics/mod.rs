@@ -6,7 +6,7 @@
 //! ```
 //!
 //! s is the picture, r the light on the retina, in the same units; K a point spread function
-//! ([`psf`]) without its core. What the eye spreads over less than the core stays in its place, for
+//! (`psf`) without its core. What the eye spreads over less than the core stays in its place, for
 //! a picture is looked at by another eye, which blurs it again. With nothing known beyond the
 //! picture no light leaves it or comes in: a uniform picture is as it was, the sum of a picture
 //! too, and the veil of a light is the same whatever the crop.
@@ -16,13 +16,13 @@
 //!
 //! K is a sum of Gaussians on the levels of a pyramid. Its kernel is within a share of the sum that
 //! a certificate by enumeration proves, and all its weights are positive: the error of r is at most
-//! [`Optics::bound`] of r, at every place of every picture.
+//! `Optics::bound` of r, at every place of every picture.
 
 mod around;
 mod certificate;
 mod gaussians;
 mod levels;
-pub mod psf;
+pub(crate) mod psf;
 mod pyramid;
 mod rows;
 mod shape;
@@ -32,9 +32,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::light::Planes;
 
-pub use around::{Extent, VeilAround};
-pub use levels::{DEPTHS, Depth};
-pub use psf::{PSFS, Psf};
+pub(crate) use around::{Extent, VeilAround};
+pub(crate) use levels::{DEPTHS, Depth};
+pub(crate) use psf::PSFS;
+pub use psf::Psf;
 
 use gaussians::Gaussians;
 use pyramid::Pyramid;
@@ -77,7 +78,7 @@ pub enum Draw {
 impl Scatter {
     /// The point spread function at an angle in degrees, sr^-1: light at a place over the light of
     /// the source.
-    pub fn psf(&self, degrees: f64) -> f64 {
+    pub(crate) fn psf(&self, degrees: f64) -> f64 {
         self.psf.formula(self.age, self.pigmentation).at(degrees)
     }
 
@@ -115,7 +116,7 @@ pub struct Optics {
 
 impl Optics {
     /// The stage for pictures of this size in pixels and scale in degrees a pixel, `count` planes
-    /// each. It works at the coarsest of [`DEPTHS`] whose certificate keeps within the budget, a
+    /// each. It works at the coarsest of `DEPTHS` whose certificate keeps within the budget, a
     /// share of the light on the retina, or at the finest. `None` where nothing is scattered.
     ///
     /// # Errors
@@ -218,24 +219,19 @@ impl Optics {
 
     /// Largest relative error of the light on the retina at any place of any picture without
     /// negative light, against the sum of Gaussians that stands for the function.
-    pub fn bound(&self) -> f64 {
+    pub(crate) fn bound(&self) -> f64 {
         self.bound
     }
 
     /// The share of a place's light that goes to one so many pixels away in x and y: the sum of
     /// Gaussians that the pyramid stands for.
-    pub fn share(&self, x: f64, y: f64) -> f64 {
+    pub(crate) fn share(&self, x: f64, y: f64) -> f64 {
         self.sum.at(x, y)
-    }
-
-    /// How finely it works.
-    pub fn depth(&self) -> Depth {
-        self.depth
     }
 
     /// The share of its light that a place keeps or gets back from beyond the picture, row by row:
     /// 1 - c.
-    pub fn kept(&self) -> &[f32] {
+    pub(crate) fn kept(&self) -> &[f32] {
         &self.kept
     }
 

@@ -36,12 +36,12 @@ pub enum Psf {
     /// 0 to 90 degrees: Spencer, Shirley, Zimmerman & Greenberg 1995, photopic. It knows no age.
     Spencer,
     /// 0 to 30 degrees here: IJspeert, van den Berg & Spekreijse 1993 for a pupil of
-    /// [`IJSPEERT_PUPIL_MM`], with sines of angles as angles.
+    /// `IJSPEERT_PUPIL_MM`, with sines of angles as angles.
     Ijspeert,
 }
 
 /// Every function by its name in a configuration.
-pub const PSFS: [(&str, Psf); 6] = [
+pub(crate) const PSFS: [(&str, Psf); 6] = [
     ("none", Psf::None),
     ("cie", Psf::Cie),
     ("cie-general", Psf::CieGeneral),
@@ -52,7 +52,7 @@ pub const PSFS: [(&str, Psf); 6] = [
 
 /// The pupil of IJspeert's function, mm: daylight's. From 2 to 6 mm only 4 % of the light crosses
 /// 0.1 degrees.
-pub const IJSPEERT_PUPIL_MM: f64 = 3.0;
+pub(crate) const IJSPEERT_PUPIL_MM: f64 = 3.0;
 
 /// One term; theta in degrees, values in sr^-1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,9 +68,9 @@ pub(super) enum Term {
 /// Terms, and what is left besides: `constant` + `quadratic` theta^2.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Formula {
-    pub terms: Vec<Term>,
-    pub constant: f64,
-    pub quadratic: f64,
+    pub(crate) terms: Vec<Term>,
+    pub(crate) constant: f64,
+    pub(crate) quadratic: f64,
 }
 
 /// Gamma(n/2) for n = 1, 2, 3.

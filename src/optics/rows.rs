@@ -19,8 +19,8 @@ const STRIP: usize = 2 * BLOCK;
 /// A Gaussian's taps from the middle on; its weight is in those along rows.
 #[derive(Clone, Debug)]
 pub(super) struct Taps {
-    pub down: Vec<f32>,
-    pub along: Vec<f32>,
+    pub(crate) down: Vec<f32>,
+    pub(crate) along: Vec<f32>,
 }
 
 /// Rows of one plane around a band: row `i` of the band is row `i` + [`LONGEST`], rows outside of
@@ -29,16 +29,16 @@ pub(super) type Around<'a> = [&'a [f32]; BAND + 2 * LONGEST];
 
 /// A band of one plane, blurred by several Gaussians that are added up.
 pub(super) struct Blur<'a> {
-    pub rows: &'a Around<'a>,
-    pub gaussians: &'a [Taps],
+    pub(crate) rows: &'a Around<'a>,
+    pub(crate) gaussians: &'a [Taps],
     /// The rows blurred downwards, Gaussian by Gaussian, with zeros on both sides.
-    pub between: &'a mut [f32],
+    pub(crate) between: &'a mut [f32],
     /// Whole rows of all planes.
-    pub out: &'a mut [f32],
-    pub stride: usize,
+    pub(crate) out: &'a mut [f32],
+    pub(crate) stride: usize,
     /// Where the plane lies in a row.
-    pub from: usize,
-    pub width: usize,
+    pub(crate) from: usize,
+    pub(crate) width: usize,
 }
 
 /// Samples of a row between the passes.
@@ -137,10 +137,10 @@ const B: [f32; 4] =
 
 /// One row of a plane's coarser level from seven of its finer one.
 pub(super) struct Reduce<'a> {
-    pub rows: [&'a [f32]; 7],
+    pub(crate) rows: [&'a [f32]; 7],
     /// Room of three rows.
-    pub room: &'a mut [f32],
-    pub out: &'a mut [f32],
+    pub(crate) room: &'a mut [f32],
+    pub(crate) out: &'a mut [f32],
 }
 
 /// Samples of room for a row of the finer and one of the coarser level.
@@ -180,11 +180,11 @@ impl WithSimd for Reduce<'_> {
 /// One row of a plane's finer level: four rows of its coarser one are added, expanded.
 pub(super) struct Expand<'a> {
     /// Rows i - 1 to i + 2 for the rows 2 i and 2 i + 1.
-    pub rows: [&'a [f32]; 4],
-    pub odd: bool,
+    pub(crate) rows: [&'a [f32]; 4],
+    pub(crate) odd: bool,
     /// Room of half a row and [`EXPANDING`].
-    pub room: &'a mut [f32],
-    pub out: &'a mut [f32],
+    pub(crate) room: &'a mut [f32],
+    pub(crate) out: &'a mut [f32],
 }
 
 /// Samples that an expanded row looks beyond half its length.
@@ -212,14 +212,14 @@ impl WithSimd for Expand<'_> {
 
 /// The light on the retina in one row of a plane.
 pub(super) struct Exchange<'a> {
-    pub light: &'a [f32],
-    pub veil: &'a [f32],
+    pub(crate) light: &'a [f32],
+    pub(crate) veil: &'a [f32],
     /// The share of a place's light that does not go to other places of the picture.
-    pub kept: &'a [f32],
+    pub(crate) kept: &'a [f32],
     /// The share that is not scattered at all, and the light beyond the picture; as bright as the
     /// place if `None`.
-    pub beyond: Option<(f32, f32)>,
-    pub out: &'a mut [f32],
+    pub(crate) beyond: Option<(f32, f32)>,
+    pub(crate) out: &'a mut [f32],
 }
 
 impl WithSimd for Exchange<'_> {

@@ -14,13 +14,13 @@ const LINE: usize = 16;
 /// sample `(y + MARGIN) * stride + i * plane + MARGIN + x`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Shape {
-    pub width: usize,
-    pub height: usize,
-    pub count: usize,
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    pub(crate) count: usize,
     /// Samples of a plane in one row, the rest zeros: whole blocks.
-    pub plane: usize,
+    pub(crate) plane: usize,
     /// Samples of a row. An odd number of lines: columns of rows share no set of the cache.
-    pub stride: usize,
+    pub(crate) stride: usize,
 }
 
 impl Shape {

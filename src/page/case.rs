@@ -10,33 +10,33 @@ use crate::error::Result;
 
 /// A series of pictures and the probes' table over the same frames.
 #[derive(Clone, Debug, Serialize)]
-pub struct Case {
+pub(crate) struct Case {
     /// What tells it from the others; empty where it is the only one.
-    pub name: String,
+    pub(crate) name: String,
     /// The picture before anything has bleached.
-    pub before: Option<String>,
-    pub frames: Vec<Frame>,
-    pub probes: Table,
+    pub(crate) before: Option<String>,
+    pub(crate) frames: Vec<Frame>,
+    pub(crate) probes: Table,
 }
 
 /// One frame, at its end.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct Frame {
-    pub frame: u64,
-    pub time_s: f64,
+pub(crate) struct Frame {
+    pub(crate) frame: u64,
+    pub(crate) time_s: f64,
     /// Name relative to the page; `None` where no picture was written.
-    pub picture: Option<String>,
+    pub(crate) picture: Option<String>,
     /// Fractions of the picture.
-    pub gaze: Option<[f64; 2]>,
-    pub pupil_mm: Option<f64>,
-    pub adapting_cd_m2: Option<f64>,
+    pub(crate) gaze: Option<[f64; 2]>,
+    pub(crate) pupil_mm: Option<f64>,
+    pub(crate) adapting_cd_m2: Option<f64>,
 }
 
 /// The case of a run's folder, from `trace.csv`, `probes.csv` and the pictures that are there.
 ///
 /// # Errors
 /// A table that cannot be read.
-pub fn of_run(folder: &Path) -> Result<Case> {
+pub(crate) fn of_run(folder: &Path) -> Result<Case> {
     let trace = Table::read(&folder.join("trace.csv"), "frame")?;
     let frames: Vec<Frame> = trace.rows.iter().map(|row| of_trace(folder, &trace, row)).collect();
     let probes = Table::read(&folder.join("probes.csv"), "frame")?;
@@ -60,7 +60,7 @@ fn of_trace(folder: &Path, trace: &Table, row: &[Value]) -> Frame {
 ///
 /// # Errors
 /// A table that cannot be read.
-pub fn of_sweep(folder: &Path, keys: &[String]) -> Result<Vec<Case>> {
+pub(crate) fn of_sweep(folder: &Path, keys: &[String]) -> Result<Vec<Case>> {
     let Table { columns, rows } = Table::read(&folder.join("sweep.csv"), "case")?;
     let mut tables: Vec<Table> = Vec::new();
     for row in rows {

@@ -27,8 +27,8 @@ use sha2::{Digest, Sha256};
 use crate::error::{Error, Result};
 use crate::frames::atomic;
 
-pub use case::{Case, Frame, of_run, of_sweep};
-pub use table::{FRAMES, Table};
+pub(crate) use case::{Case, of_run, of_sweep};
+pub(crate) use table::Table;
 
 const HTML: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
@@ -43,15 +43,15 @@ const SCRIPTS: [&str; 7] = [
 ];
 
 /// The name of a report's page in its folder.
-pub const REPORT: &str = "report.html";
+pub(crate) const REPORT: &str = "report.html";
 
 /// What a report shows.
 #[derive(Clone, Debug, Serialize)]
-pub struct Report<'a> {
-    pub title: &'a str,
-    pub cases: Vec<Case>,
+pub(crate) struct Report<'a> {
+    pub(crate) title: &'a str,
+    pub(crate) cases: Vec<Case>,
     /// `report.json`, as far as there is one; `timing` is not shown.
-    pub report: &'a Value,
+    pub(crate) report: &'a Value,
 }
 
 impl Report<'_> {
@@ -59,7 +59,7 @@ impl Report<'_> {
     ///
     /// # Errors
     /// Data that JSON cannot hold.
-    pub fn html(&self) -> Result<String> {
+    pub(crate) fn html(&self) -> Result<String> {
         let mut json =
             serde_json::to_value(self).map_err(|e| Error::file(REPORT, e.to_string()))?;
         if let Some(report) = json["report"].as_object_mut() {
@@ -76,14 +76,15 @@ impl Report<'_> {
     ///
     /// # Errors
     /// The system's refusal to write.
-    pub fn write(&self, folder: &Path) -> Result<()> {
+    pub(crate) fn write(&self, folder: &Path) -> Result<()> {
         atomic::write_text(&folder.join(REPORT), &self.html()?)
     }
 }
 
 /// The page without data, for `sungaze view` to serve. `host`: the name and port that it was asked
 /// for, whose socket it may open; Safari before 15.4 does not take `'self'` for that.
-pub fn live(host: &str) -> String {
+#[cfg(feature = "view")]
+pub(crate) fn live(host: &str) -> String {
     // A policy has no word for an address of IPv6.
     let socket = if host.starts_with('[') { String::new() } else { format!(" ws://{host}") };
     assembled(&format!("img-src blob: data:; connect-src 'self'{socket}"), "")

@@ -8,13 +8,13 @@ use serde_json::Value;
 use crate::error::{Error, Result};
 
 /// The most frames of a table, and of a report; more are thinned evenly.
-pub const FRAMES: usize = 2000;
+pub(crate) const FRAMES: usize = 2000;
 
 /// Columns by name, and rows of numbers, texts and null for what is no number.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Table {
-    pub columns: Vec<String>,
-    pub rows: Vec<Vec<Value>>,
+pub(crate) struct Table {
+    pub(crate) columns: Vec<String>,
+    pub(crate) rows: Vec<Vec<Value>>,
 }
 
 impl Table {
@@ -23,7 +23,7 @@ impl Table {
     ///
     /// # Errors
     /// A file that cannot be read, or without a column `by`.
-    pub fn read(path: &Path, by: &str) -> Result<Table> {
+    pub(crate) fn read(path: &Path, by: &str) -> Result<Table> {
         let frames = Frames::of(path, by)?;
         let (stride, last) = (frames.count.div_ceil(FRAMES).max(1), frames.count.saturating_sub(1));
         let mut table = Table { columns: frames.columns, rows: Vec::new() };
@@ -36,12 +36,12 @@ impl Table {
     }
 
     /// Where a column is.
-    pub fn column(&self, name: &str) -> Option<usize> {
+    pub(crate) fn column(&self, name: &str) -> Option<usize> {
         self.columns.iter().position(|column| column == name)
     }
 
     /// A number of a row; `None` where there is no such column or no number.
-    pub fn number(&self, row: &[Value], name: &str) -> Option<f64> {
+    pub(crate) fn number(&self, row: &[Value], name: &str) -> Option<f64> {
         row.get(self.column(name)?)?.as_f64()
     }
 }

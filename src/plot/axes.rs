@@ -7,12 +7,12 @@ use super::sheet::{Anchor, Ink, Marker, Point, Sheet};
 /// One axis. Logarithmic axes are marked at whole powers of ten, `every` so many.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Axis<'a> {
-    pub from: f64,
-    pub to: f64,
-    pub logarithmic: bool,
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+    pub(crate) logarithmic: bool,
     /// Between labelled ticks: powers of ten, or units.
-    pub every: f64,
-    pub label: &'a str,
+    pub(crate) every: f64,
+    pub(crate) label: &'a str,
 }
 
 impl<'a> Axis<'a> {
@@ -110,12 +110,12 @@ pub(crate) fn power(exponent: f64) -> String {
 /// A rectangle of the sheet with axes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Panel<'a> {
-    pub left: f64,
-    pub top: f64,
-    pub width: f64,
-    pub height: f64,
-    pub x: Axis<'a>,
-    pub y: Axis<'a>,
+    pub(crate) left: f64,
+    pub(crate) top: f64,
+    pub(crate) width: f64,
+    pub(crate) height: f64,
+    pub(crate) x: Axis<'a>,
+    pub(crate) y: Axis<'a>,
 }
 
 /// Height of tick labels.

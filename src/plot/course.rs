@@ -18,10 +18,10 @@ use super::axes::Axis;
 /// pigment unbleached at `from`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Held {
-    pub from: f64,
-    pub to: f64,
-    pub p: f64,
-    pub light: f64,
+    pub(crate) from: f64,
+    pub(crate) to: f64,
+    pub(crate) p: f64,
+    pub(crate) light: f64,
 }
 
 /// Steps between two samples, for the laws that have no closed form.

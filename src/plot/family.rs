@@ -23,30 +23,30 @@ pub(crate) const DASHES: [&str; 4] = ["", "9 4", "2 3", "9 3 2 3"];
 
 /// A case of the family: its name, where it stands among the others, and the rows of one probe.
 pub(crate) struct Member {
-    pub name: String,
-    pub ink: Ink,
+    pub(crate) name: String,
+    pub(crate) ink: Ink,
     /// Which of [`DASHES`].
-    pub dash: usize,
-    pub rows: Vec<Moment>,
-    pub cones: Cones,
+    pub(crate) dash: usize,
+    pub(crate) rows: Vec<Moment>,
+    pub(crate) cones: Cones,
     /// Bleached L, M, S, then x, y under the last light for ever.
-    pub steady: Option<[f64; 5]>,
+    pub(crate) steady: Option<[f64; 5]>,
 }
 
 /// What colours and dashes stand for.
 pub(crate) struct Scale {
     /// What varies.
-    pub name: String,
+    pub(crate) name: String,
     /// Values at places from 0 to 1.
-    pub labels: Vec<(f64, String)>,
+    pub(crate) labels: Vec<(f64, String)>,
     /// What each of [`DASHES`] stands for, if they differ.
-    pub dashes: Vec<String>,
+    pub(crate) dashes: Vec<String>,
 }
 
 /// One probe in all cases.
 pub(crate) struct Family {
-    pub name: String,
-    pub members: Vec<Member>,
+    pub(crate) name: String,
+    pub(crate) members: Vec<Member>,
 }
 
 /// What a panel shows of a moment.

@@ -27,22 +27,22 @@ pub(crate) const MOST_ROWS: usize = 40;
 /// A picture: width and height, and its rows from the top, 8-bit sRGB.
 #[derive(Clone, Copy)]
 pub(crate) struct Picture<'a> {
-    pub size: [usize; 2],
-    pub rgb: &'a [u8],
+    pub(crate) size: [usize; 2],
+    pub(crate) rgb: &'a [u8],
 }
 
 /// A row of pictures: words to its left, the pictures, and words below each.
 pub(crate) struct Row<'a> {
-    pub label: String,
-    pub pictures: Vec<Picture<'a>>,
-    pub captions: Vec<String>,
+    pub(crate) label: String,
+    pub(crate) pictures: Vec<Picture<'a>>,
+    pub(crate) captions: Vec<String>,
 }
 
 /// Rows under common headings, one for each column.
 pub(crate) struct Block<'a> {
-    pub title: String,
-    pub headings: Vec<String>,
-    pub rows: Vec<Row<'a>>,
+    pub(crate) title: String,
+    pub(crate) headings: Vec<String>,
+    pub(crate) rows: Vec<Row<'a>>,
 }
 
 /// The square that pictures must fit into for so many columns and rows in all, pixels.

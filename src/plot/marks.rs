@@ -8,9 +8,9 @@ use super::sheet::{Anchor, Point, Sheet};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Marks {
     /// In pixels, centres at integers.
-    pub gaze: [f64; 2],
+    pub(crate) gaze: [f64; 2],
     /// Of the frame's end, s.
-    pub time: f64,
+    pub(crate) time: f64,
 }
 
 /// Directions of the cross's arms.

@@ -21,21 +21,21 @@ use super::sheet::{Anchor, Sheet};
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Moment {
     /// s
-    pub time: f64,
+    pub(crate) time: f64,
     /// Cone illuminance until then, td.
-    pub light: [f64; 3],
+    pub(crate) light: [f64; 3],
     /// Unbleached fractions.
-    pub p: [f64; 3],
+    pub(crate) p: [f64; 3],
     /// The percept, cd/m2; NaN where it is not known.
-    pub xyz: [f64; 3],
+    pub(crate) xyz: [f64; 3],
 }
 
 /// What cones make of light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Cones {
-    pub kinetics: [Kinetics; 3],
+    pub(crate) kinetics: [Kinetics; 3],
     /// Catches of L, M and S to XYZ.
-    pub lms_to_xyz: Matrix,
+    pub(crate) lms_to_xyz: Matrix,
 }
 
 /// Samples of a curve over the whole length of an axis.

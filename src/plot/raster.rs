@@ -12,9 +12,9 @@ use super::sheet::{Anchor, Ink, Item, Point, Sheet, Stroke, Words};
 
 /// A picture in the making: 8-bit sRGB, rows from the top.
 pub(crate) struct Canvas {
-    pub width: usize,
-    pub height: usize,
-    pub rgb: Vec<u8>,
+    pub(crate) width: usize,
+    pub(crate) height: usize,
+    pub(crate) rgb: Vec<u8>,
     /// Pixels to the unit.
     scale: f32,
 }

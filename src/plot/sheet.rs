@@ -2,7 +2,7 @@
 
 /// A colour, sRGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Ink(pub u8, pub u8, pub u8);
+pub(crate) struct Ink(pub(crate) u8, pub(crate) u8, pub(crate) u8);
 
 /// The shape of a mark.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,23 +30,23 @@ pub(crate) type Point = (f64, f64);
 /// A line's colour, width and dashes (lengths on and off in turn, as in SVG; empty for none).
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Stroke {
-    pub ink: Ink,
-    pub width: f64,
-    pub dashes: Vec<f64>,
+    pub(crate) ink: Ink,
+    pub(crate) width: f64,
+    pub(crate) dashes: Vec<f64>,
 }
 
 /// Words on a sheet; `at` is on their baseline.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Words {
-    pub at: Point,
-    pub words: String,
+    pub(crate) at: Point,
+    pub(crate) words: String,
     /// Height of the type, units to the em.
-    pub size: f64,
-    pub anchor: Anchor,
-    pub bold: bool,
+    pub(crate) size: f64,
+    pub(crate) anchor: Anchor,
+    pub(crate) bold: bool,
     /// Read upward, turned about their point.
-    pub upward: bool,
-    pub ink: Ink,
+    pub(crate) upward: bool,
+    pub(crate) ink: Ink,
 }
 
 /// One thing that is drawn.
@@ -59,9 +59,9 @@ pub(crate) enum Item {
 
 /// A drawing in the making, on white.
 pub(crate) struct Sheet {
-    pub width: f64,
-    pub height: f64,
-    pub items: Vec<Item>,
+    pub(crate) width: f64,
+    pub(crate) height: f64,
+    pub(crate) items: Vec<Item>,
 }
 
 impl Sheet {

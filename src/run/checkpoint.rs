@@ -16,31 +16,31 @@ use crate::run::inputs::Input;
 use crate::run::report::{Counters, Timing};
 
 /// Name of the file in the run's folder.
-pub const NAME: &str = "checkpoint.sungaze";
+pub(crate) const NAME: &str = "checkpoint.sungaze";
 
 /// The first line of the file.
 const FORMAT: &[u8] = b"sungaze checkpoint\n";
 
 /// Everything the next frame depends on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Checkpoint {
+pub(crate) struct Checkpoint {
     /// Of the program.
-    pub version: String,
+    pub(crate) version: String,
     /// Names the resolved configuration.
-    pub config: String,
+    pub(crate) config: String,
     /// Steps that are complete.
-    pub done: usize,
+    pub(crate) done: usize,
     /// Names the numbers, files and times of those steps.
-    pub steps: String,
+    pub(crate) steps: String,
     /// What was read for them.
-    pub inputs: Vec<Input>,
-    pub counters: Counters,
-    pub timing: Timing,
+    pub(crate) inputs: Vec<Input>,
+    pub(crate) counters: Counters,
+    pub(crate) timing: Timing,
     /// Byte lengths of `trace.csv` and `probes.csv`.
-    pub lengths: [u64; 2],
+    pub(crate) lengths: [u64; 2],
     /// Levels of the tone map.
-    pub map: Vec<f64>,
-    pub eye: State,
+    pub(crate) map: Vec<f64>,
+    pub(crate) eye: State,
 }
 
 impl Checkpoint {
@@ -48,7 +48,7 @@ impl Checkpoint {
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn write(&self, folder: &Path) -> Result<()> {
+    pub(crate) fn write(&self, folder: &Path) -> Result<()> {
         write_lasting(&folder.join(NAME), |sink| {
             let mut out = Digesting { sink, digest: Sha256::new() };
             out.write_all(FORMAT)?;
@@ -62,7 +62,7 @@ impl Checkpoint {
     ///
     /// # Errors
     /// The file cannot be read, is damaged, or was left by another version.
-    pub fn read(folder: &Path) -> Result<Option<Checkpoint>> {
+    pub(crate) fn read(folder: &Path) -> Result<Option<Checkpoint>> {
         let path = folder.join(NAME);
         let bytes = match std::fs::read(&path) {
             Ok(bytes) => bytes,
@@ -76,7 +76,7 @@ impl Checkpoint {
     }
 
     /// Removes the checkpoint of a complete run.
-    pub fn remove(folder: &Path) -> Result<()> {
+    pub(crate) fn remove(folder: &Path) -> Result<()> {
         let path = folder.join(NAME);
         match std::fs::remove_file(&path) {
             Err(e) if e.kind() != std::io::ErrorKind::NotFound => {

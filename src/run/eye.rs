@@ -26,26 +26,26 @@ use crate::units::Seconds;
 
 /// An eye that watches a scene, with everything that a run carries from frame to frame.
 pub(crate) struct Watching {
-    pub eye: Eye,
-    pub gaze: Gaze,
+    pub(crate) eye: Eye,
+    pub(crate) gaze: Gaze,
     /// The frames that have pictures, if not all.
     range: Option<Vec<u32>>,
-    pub probes: Vec<Probe>,
+    pub(crate) probes: Vec<Probe>,
     /// The display window among the pixels of a frame.
-    pub window: Window,
-    pub display: Option<Display>,
+    pub(crate) window: Window,
+    pub(crate) display: Option<Display>,
     /// Whether display pictures show the gaze and the time.
-    pub marks: bool,
-    pub map: Option<Arc<ToneMap>>,
-    pub counters: Counters,
-    pub state: StateKey,
-    pub config: Value,
-    pub done: usize,
+    pub(crate) marks: bool,
+    pub(crate) map: Option<Arc<ToneMap>>,
+    pub(crate) counters: Counters,
+    pub(crate) state: StateKey,
+    pub(crate) config: Value,
+    pub(crate) done: usize,
     /// Spent so far, but for what the writer spends meanwhile.
-    pub timing: Timing,
+    pub(crate) timing: Timing,
     begun: Instant,
     /// What was read so far.
-    pub inputs: Vec<Input>,
+    pub(crate) inputs: Vec<Input>,
 }
 
 impl Watching {

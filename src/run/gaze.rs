@@ -9,7 +9,7 @@ use crate::light::Window;
 
 /// Where the eye looks over a run.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Gaze {
+pub(crate) enum Gaze {
     /// Fractions of width and height.
     At([f64; 2]),
     Brightest,
@@ -21,21 +21,21 @@ pub enum Gaze {
 #[derive(Clone, Debug, PartialEq)]
 pub struct GazePath {
     /// Points stand at numbers of frames instead of times, s.
-    pub by_frame: bool,
+    pub(crate) by_frame: bool,
     /// Places are pixels, their centres at integers, instead of fractions of width and height.
-    pub in_pixels: bool,
+    pub(crate) in_pixels: bool,
     /// Each point is held from the one before until its own time.
-    pub held: bool,
+    pub(crate) held: bool,
     pub points: Vec<(f64, [f64; 2])>,
 }
 
 /// The moment for which a gaze is asked.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Moment {
+pub(crate) struct Moment {
     /// The middle of a frame, s.
-    pub time: f64,
+    pub(crate) time: f64,
     /// Its number.
-    pub frame: u32,
+    pub(crate) frame: u32,
 }
 
 /// The headers of a gaze path, what its points stand at and what its places are.
@@ -51,7 +51,7 @@ impl Gaze {
     ///
     /// # Errors
     /// The path cannot be read, or its rows are not in order.
-    pub fn of(config: &Config) -> Result<Gaze> {
+    pub(crate) fn of(config: &Config) -> Result<Gaze> {
         let keys = &config.settings.gaze;
         if let Some(path) = &keys.path {
             let path = GazePath::from_file(&config.path(path))
@@ -72,7 +72,7 @@ impl Gaze {
 
     /// The point looked at in pixels of the frame. `brightest`: the centroid of the frame's brightest region;
     /// `first`: where the first look went.
-    pub fn pixel(
+    pub(crate) fn pixel(
         &self,
         at: Moment,
         brightest: impl FnOnce() -> [f64; 2],
@@ -89,7 +89,7 @@ impl Gaze {
     }
 
     /// Whether it stays where it first goes.
-    pub fn is_held(&self) -> bool {
+    pub(crate) fn is_held(&self) -> bool {
         match self {
             Gaze::At(_) | Gaze::Brightest => true,
             Gaze::BrightestEach | Gaze::Path(_) => false,
@@ -98,16 +98,11 @@ impl Gaze {
 
     /// The points in time of a path, fractions of the picture where it has those; none where there
     /// is no such path.
-    pub fn rows(self) -> Vec<(f64, [f64; 2])> {
+    pub(crate) fn rows(self) -> Vec<(f64, [f64; 2])> {
         match self {
             Gaze::Path(path) if !path.by_frame => path.points,
             _ => Vec::new(),
         }
-    }
-
-    /// Where the first look goes, in pixels.
-    pub fn at_first(&self, brightest: impl FnOnce() -> [f64; 2], window: Window) -> [f64; 2] {
-        self.pixel(Moment { time: 0.0, frame: 0 }, brightest, window, None)
     }
 }
 

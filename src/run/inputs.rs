@@ -15,13 +15,13 @@ use crate::run::schedule::Step;
 
 /// A file as it was read.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Input {
+pub(crate) struct Input {
     /// Number of the first frame that shows it; `None` for a table or a state file.
-    pub frame: Option<u32>,
-    pub name: String,
-    pub bytes: u64,
+    pub(crate) frame: Option<u32>,
+    pub(crate) name: String,
+    pub(crate) bytes: u64,
     /// Hexadecimal.
-    pub sha256: String,
+    pub(crate) sha256: String,
 }
 
 impl Input {
@@ -29,7 +29,7 @@ impl Input {
     ///
     /// # Errors
     /// The file cannot be read.
-    pub fn of(path: &Path, frame: Option<u32>) -> Result<Input> {
+    pub(crate) fn of(path: &Path, frame: Option<u32>) -> Result<Input> {
         let mut file = std::fs::File::open(path).map_err(Error::io(path, "read"))?;
         let (mut digest, mut bytes) = (Sha256::new(), 0);
         let mut chunk = vec![0; 1 << 20];

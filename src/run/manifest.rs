@@ -26,15 +26,15 @@ pub(crate) enum Kind {
 /// What a folder holds, from which settings, under which names.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Manifest {
-    pub kind: Kind,
+    pub(crate) kind: Kind,
     /// Of the program.
-    pub version: String,
+    pub(crate) version: String,
     /// The resolved configuration.
-    pub config: Value,
+    pub(crate) config: Value,
     /// Files that are made once.
-    pub files: BTreeSet<String>,
+    pub(crate) files: BTreeSet<String>,
     /// Numbers of the frames that have pictures: first and last of each run of them.
-    pub frames: Vec<[u32; 2]>,
+    pub(crate) frames: Vec<[u32; 2]>,
 }
 
 impl Manifest {

@@ -4,23 +4,23 @@
 //! All share rayon's global pool (within a pool of the caller's own, only the eye moves there). Pixels and numbers do
 //! not depend on how many threads there are.
 
-pub mod checkpoint;
+pub(crate) mod checkpoint;
 mod eye;
 mod folder;
-mod gaze;
+pub(crate) mod gaze;
 pub(crate) mod inputs;
 pub(crate) mod manifest;
 pub(crate) mod plot;
 mod reader;
-pub mod record;
+pub(crate) mod record;
 mod rehearse;
-pub mod report;
+pub(crate) mod report;
 mod resume;
 mod scene;
-pub mod schedule;
+pub(crate) mod schedule;
 mod start;
 mod video;
-pub mod watch;
+pub(crate) mod watch;
 pub(crate) mod writer;
 
 use std::path::Path;
@@ -44,7 +44,8 @@ use checkpoint::Checkpoint;
 pub(crate) use eye::Watching;
 pub(crate) use folder::{Claim, owned, same};
 pub use folder::{Existing, not_empty};
-pub use gaze::{Gaze, GazePath, Moment};
+pub use gaze::GazePath;
+pub(crate) use gaze::Moment;
 pub(crate) use inputs::tables;
 pub(crate) use reader::Loaded;
 pub use rehearse::rehearse;

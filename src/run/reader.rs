@@ -17,35 +17,35 @@ use crate::vision::SampledSpectra;
 use crate::vision::Vision;
 
 /// A decoded frame and its luminances, on their way to the eye.
-pub struct Loaded {
-    pub frame: Frame,
+pub(crate) struct Loaded {
+    pub(crate) frame: Frame,
     /// The file as it was read; none for a built-in scene.
-    pub input: Option<Input>,
+    pub(crate) input: Option<Input>,
     /// How long it took to read, s.
-    pub took_s: f64,
-    pub survey: Arc<Survey>,
+    pub(crate) took_s: f64,
+    pub(crate) survey: Arc<Survey>,
     /// The places of the sampled check, and their spectra where frames hold bands.
-    pub places: Arc<Vec<[usize; 2]>>,
-    pub kept: Option<Arc<SampledSpectra>>,
+    pub(crate) places: Arc<Vec<[usize; 2]>>,
+    pub(crate) kept: Option<Arc<SampledSpectra>>,
     /// The moments of every place, where all have the same light.
-    pub uniform: Option<Vec<f64>>,
+    pub(crate) uniform: Option<Vec<f64>>,
 }
 
 /// The footage as the reader sees it.
-pub struct Sequence<'a> {
-    pub footage: &'a dyn Footage,
+pub(crate) struct Sequence<'a> {
+    pub(crate) footage: &'a dyn Footage,
     /// Its files, one a frame; none for a built-in scene.
     pub files: &'a [PathBuf],
-    pub vision: &'a Vision,
-    pub pixels_per_degree: f64,
+    pub(crate) vision: &'a Vision,
+    pub(crate) pixels_per_degree: f64,
     /// The places to check: none, these, or (`None`) such as the first frame suggests.
-    pub places: Option<Vec<[usize; 2]>>,
+    pub(crate) places: Option<Vec<[usize; 2]>>,
 }
 
 impl Sequence<'_> {
     /// Decodes and surveys one file. The first one of spectral frames is decoded twice if its
     /// places are still to be chosen and its spectra to be kept.
-    pub fn load(&mut self, file: usize, recycled: Option<Planes>) -> Result<Loaded> {
+    pub(crate) fn load(&mut self, file: usize, recycled: Option<Planes>) -> Result<Loaded> {
         let projection = self.vision.projection();
         if self.footage.uniform(file).is_some() {
             // Nothing is left out of a uniform field: there is nothing to check.

@@ -47,35 +47,35 @@ const COLUMNS: [(&str, &str); 20] = [
 ];
 
 /// The columns of `trace.csv`, `probes.csv` and `sweep.csv` with their units, for a report.
-pub fn columns() -> Value {
+pub(crate) fn columns() -> Value {
     COLUMNS.iter().map(|&(name, what)| (name.to_owned(), Value::from(what))).collect()
 }
 
 /// A point of the picture that is traced through time; `None`: the gaze itself.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Probe {
-    pub name: String,
+pub(crate) struct Probe {
+    pub(crate) name: String,
     at: Option<[f64; 2]>,
 }
 
 /// What a probe found in one frame.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Reading {
-    pub probe: String,
+pub(crate) struct Reading {
+    pub(crate) probe: String,
     /// Cone illuminance, td.
-    pub illuminance: [f64; 3],
+    pub(crate) illuminance: [f64; 3],
     /// Unbleached fractions.
-    pub p: [f64; 3],
+    pub(crate) p: [f64; 3],
     /// The percept, cd/m2.
-    pub xyz: [f64; 3],
-    pub pupil: Millimetres,
+    pub(crate) xyz: [f64; 3],
+    pub(crate) pupil: Millimetres,
     /// How much less each class of cones catches than if it were unbleached, log10; NaN in the dark.
-    pub lost: [f64; 3],
+    pub(crate) lost: [f64; 3],
 }
 
 impl Reading {
     /// The columns from `probe` on.
-    pub fn columns(&self) -> String {
+    pub(crate) fn columns(&self) -> String {
         let [x, y] = chromaticity(self.xyz);
         let numbers = [self.illuminance, self.p, self.xyz].concat().into_iter().chain([x, y]);
         let numbers = numbers.chain([self.pupil.0]).chain(self.lost);
@@ -83,19 +83,14 @@ impl Reading {
     }
 
     /// Seconds in the dark until L, M and S are all back at a fraction.
-    pub fn recovery(&self, pigments: &[Kinetics; 3], target: f64) -> f64 {
+    pub(crate) fn recovery(&self, pigments: &[Kinetics; 3], target: f64) -> f64 {
         let seconds = [0, 1, 2].map(|k| pigments[k].recovery(self.p[k], target).0);
         seconds.into_iter().fold(0.0, f64::max)
-    }
-
-    /// Chromaticity of the percept.
-    pub fn chromaticity(&self) -> [f64; 2] {
-        chromaticity(self.xyz)
     }
 }
 
 /// The probes of a configuration; without one, the gaze.
-pub fn probes(config: &Config) -> Vec<Probe> {
+pub(crate) fn probes(config: &Config) -> Vec<Probe> {
     let written = &config.settings.output.probe;
     if written.is_empty() {
         return vec![Probe { name: "gaze".into(), at: None }];
@@ -105,18 +100,24 @@ pub fn probes(config: &Config) -> Vec<Probe> {
 
 impl Probe {
     /// The probe's pixel of a frame: floor(at * size) of the window, or the one that is looked at.
-    pub fn pixel(&self, planes: &Planes, window: Window, gaze: [f64; 2]) -> [usize; 2] {
+    pub(crate) fn pixel(&self, planes: &Planes, window: Window, gaze: [f64; 2]) -> [usize; 2] {
         let looked_at = || nearest(gaze, [planes.width, planes.height]);
         self.at.map_or_else(looked_at, |at| window.holding(at))
     }
 
     /// Reads the probe, whose pixel is given, after a look.
-    pub fn read(&self, eye: &Eye, planes: &Planes, look: &Look, pixel: [usize; 2]) -> Reading {
+    pub(crate) fn read(
+        &self,
+        eye: &Eye,
+        planes: &Planes,
+        look: &Look,
+        pixel: [usize; 2],
+    ) -> Reading {
         self.reading(eye, planes, look, pixel, eye.fractions_at(look, pixel))
     }
 
     /// What the probe reads where these fractions are unbleached.
-    pub fn reading(
+    pub(crate) fn reading(
         &self,
         eye: &Eye,
         planes: &Planes,
@@ -187,7 +188,7 @@ pub(crate) fn probe_rows(readings: &[Reading], step: &Step) -> String {
 ///
 /// # Errors
 /// The table cannot be read.
-pub fn results(path: &Path, pigments: &[Kinetics; 3]) -> Result<Value> {
+pub(crate) fn results(path: &Path, pigments: &[Kinetics; 3]) -> Result<Value> {
     let file = std::fs::File::open(path).map_err(Error::io(path, "read"))?;
     let mut results: Vec<(Reading, [(f64, f64); 3])> = Vec::new();
     for line in BufReader::new(file).lines() {

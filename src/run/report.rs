@@ -12,28 +12,28 @@ use crate::observer::CONES;
 
 /// What a run has met so far; part of a checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Counters {
-    pub nan: u64,
-    pub infinite: u64,
-    pub negative: u64,
-    pub clipped: u64,
+pub(crate) struct Counters {
+    pub(crate) nan: u64,
+    pub(crate) infinite: u64,
+    pub(crate) negative: u64,
+    pub(crate) clipped: u64,
     /// Frames with NaN or Inf that a policy let go on.
-    pub mended_frames: Vec<u32>,
+    pub(crate) mended_frames: Vec<u32>,
     /// Frames that had no file and showed the one before.
-    pub held_frames: Vec<u32>,
+    pub(crate) held_frames: Vec<u32>,
     /// Percept samples beyond what a half float holds.
-    pub limited: u64,
+    pub(crate) limited: u64,
     /// First time, s, and greatest share of the retina with more than half of its S pigment
     /// bleached.
-    pub s_past_half_from_s: Option<f64>,
-    pub s_past_half_share: f64,
+    pub(crate) s_past_half_from_s: Option<f64>,
+    pub(crate) s_past_half_share: f64,
     /// First frame that took a method past its limit: its message.
-    pub method_past_limit: Option<String>,
+    pub(crate) method_past_limit: Option<String>,
 }
 
 impl Counters {
     /// Adds what was wrong with one frame's samples.
-    pub fn count(&mut self, frame: u32, tally: Tally) {
+    pub(crate) fn count(&mut self, frame: u32, tally: Tally) {
         self.nan += tally.nan;
         self.infinite += tally.infinite;
         self.negative += tally.negative;
@@ -44,7 +44,7 @@ impl Counters {
     }
 
     /// Adds what one look met. `places`: how many the retina has.
-    pub fn meet(&mut self, time: f64, stats: &LookStats, places: usize) {
+    pub(crate) fn meet(&mut self, time: f64, stats: &LookStats, places: usize) {
         self.limited += stats.limited;
         if stats.s_past_half > 0 {
             self.s_past_half_from_s.get_or_insert(time);
@@ -54,7 +54,7 @@ impl Counters {
     }
 
     /// Whether some frames were bad and a policy let the run go on.
-    pub fn went_on(&self) -> bool {
+    pub(crate) fn went_on(&self) -> bool {
         !(self.mended_frames.is_empty() && self.held_frames.is_empty())
     }
 
@@ -81,7 +81,7 @@ impl Counters {
     }
 
     /// Every warning, one sentence each.
-    pub fn warnings(&self) -> Vec<String> {
+    pub(crate) fn warnings(&self) -> Vec<String> {
         let mut warnings: Vec<String> = self.bad_frames().into_iter().collect();
         if self.clipped > 0 {
             warnings.push(format!(
@@ -114,17 +114,17 @@ impl Counters {
 
 /// Seconds spent, in all pieces of a run that was resumed; part of a checkpoint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Timing {
-    pub decode_s: f64,
-    pub simulate_s: f64,
-    pub display_s: f64,
-    pub encode_s: f64,
-    pub wall_s: f64,
+pub(crate) struct Timing {
+    pub(crate) decode_s: f64,
+    pub(crate) simulate_s: f64,
+    pub(crate) display_s: f64,
+    pub(crate) encode_s: f64,
+    pub(crate) wall_s: f64,
 }
 
 impl Timing {
     /// The seconds, and what they were spent on.
-    pub fn report(&self) -> Value {
+    pub(crate) fn report(&self) -> Value {
         let mut report = serde_json::to_value(self).unwrap_or_default();
         report["threads"] = rayon::current_num_threads().into();
         report["processor"] = processor().into();
@@ -132,7 +132,7 @@ impl Timing {
     }
 
     /// Adds what another stage has spent.
-    pub fn add(&mut self, other: &Timing) {
+    pub(crate) fn add(&mut self, other: &Timing) {
         self.decode_s += other.decode_s;
         self.simulate_s += other.simulate_s;
         self.display_s += other.display_s;
@@ -142,7 +142,7 @@ impl Timing {
 }
 
 /// The processor's own name where the system tells it, else the architecture and system.
-pub fn processor() -> String {
+pub(crate) fn processor() -> String {
     let told = std::fs::read_to_string("/proc/cpuinfo").ok().and_then(|text| {
         let line = text.lines().find(|line| line.starts_with("model name"))?;
         Some(line.split_once(':')?.1.trim().to_owned())
@@ -165,7 +165,7 @@ fn frames(numbers: &[u32]) -> String {
 }
 
 /// The constants in force and where they come from.
-pub fn constants(config: &Config) -> Value {
+pub(crate) fn constants(config: &Config) -> Value {
     let o = &config.settings.observer;
     let set = constants::named(&o.constants);
     let as_published =

@@ -19,18 +19,19 @@ use crate::vision::Vision;
 
 /// Footage, vision and schedule of one run.
 pub struct Scene {
-    pub footage: Box<dyn Footage>,
-    pub vision: Vision,
-    pub pixels_per_degree: f64,
+    pub(crate) footage: Box<dyn Footage>,
+    pub(crate) vision: Vision,
+    pub(crate) pixels_per_degree: f64,
     /// The frames by their own times, and as they are looked at.
-    pub frames: Vec<Step>,
-    pub steps: Vec<Step>,
+    #[cfg_attr(not(feature = "view"), expect(dead_code, reason = "only a view reads them"))]
+    pub(crate) frames: Vec<Step>,
+    pub(crate) steps: Vec<Step>,
     /// The files of its frames; none for the built-in scene.
-    pub files: Vec<PathBuf>,
+    pub(crate) files: Vec<PathBuf>,
     /// The frames that have pictures, rising, if not all.
-    pub range: Option<Vec<u32>>,
+    pub(crate) range: Option<Vec<u32>>,
     /// Numbers without a file, which show the frame before.
-    pub held: Vec<u32>,
+    pub(crate) held: Vec<u32>,
     white: Option<Nits>,
 }
 
@@ -113,7 +114,7 @@ impl Scene {
 
     /// The footage for the reader. `places`: those to check; `None`: such as the first frame
     /// suggests.
-    pub fn sequence(&self, places: Option<Vec<[usize; 2]>>) -> Sequence<'_> {
+    pub(crate) fn sequence(&self, places: Option<Vec<[usize; 2]>>) -> Sequence<'_> {
         let files = &self.files;
         let (footage, vision, pixels_per_degree) =
             (&*self.footage, &self.vision, self.pixels_per_degree);
@@ -121,7 +122,7 @@ impl Scene {
     }
 
     /// What the percept's files say of themselves.
-    pub fn about(&self, digest: &str) -> About {
+    pub(crate) fn about(&self, digest: &str) -> About {
         let header = self.footage.header();
         let (primaries, white) = match &header.kind {
             Kind::Rgb(primaries) => (*primaries, self.white),

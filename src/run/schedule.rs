@@ -9,21 +9,21 @@ use crate::run::gaze::Gaze;
 /// state and percept; it is kept as it was given, since a start and a length do not always add up to
 /// it again.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Step {
-    pub number: u32,
-    pub file: usize,
-    pub start: f64,
-    pub end: f64,
+pub(crate) struct Step {
+    pub(crate) number: u32,
+    pub(crate) file: usize,
+    pub(crate) start: f64,
+    pub(crate) end: f64,
 }
 
 impl Step {
     /// How long the light is held, s.
-    pub fn duration(&self) -> f64 {
+    pub(crate) fn duration(&self) -> f64 {
         self.end - self.start
     }
 
     /// Its middle, s.
-    pub fn middle(&self) -> f64 {
+    pub(crate) fn middle(&self) -> f64 {
         self.start + 0.5 * self.duration()
     }
 }
@@ -100,7 +100,7 @@ pub(crate) fn of_sequence(
 
 /// How frames are looked at: one after the other, or by the gaze path. Then looks end at its rows,
 /// are numbered from 1, and each is at the light of the frame that is there when it begins.
-pub fn looks(config: &Config, frames: &[Step]) -> Result<Vec<Step>> {
+pub(crate) fn looks(config: &Config, frames: &[Step]) -> Result<Vec<Step>> {
     if !config.settings.time.follows_the_gaze() {
         return Ok(frames.to_vec());
     }
@@ -117,7 +117,7 @@ pub fn looks(config: &Config, frames: &[Step]) -> Result<Vec<Step>> {
 }
 
 /// Frames a second, where all frames but a shortened last one are alike.
-pub fn rate(steps: &[Step]) -> Option<f64> {
+pub(crate) fn rate(steps: &[Step]) -> Option<f64> {
     let first = steps.first()?.duration();
     let alike = |step: &Step| (step.duration() / first - 1.0).abs() < 1e-6;
     steps.iter().rev().skip(usize::from(steps.len() > 1)).all(alike).then_some(1.0 / first)

@@ -15,7 +15,7 @@ use crate::run::schedule::{Step, rate};
 use crate::run::watch::Watch;
 
 /// Name of the list of pictures, in the run's folder; removed when the film is made.
-pub const LIST: &str = "video.ffconcat";
+pub(crate) const LIST: &str = "video.ffconcat";
 
 /// How often a run that waits for ffmpeg asks whether it should stop.
 const OFTEN: Duration = Duration::from_millis(20);
@@ -28,7 +28,7 @@ const UNEVEN_RATE: f64 = 24.0;
 ///
 /// # Errors
 /// ffmpeg failed, or the run was asked to stop.
-pub fn make(
+pub(crate) fn make(
     folder: &Path,
     name: &str,
     steps: &[Step],

@@ -26,7 +26,7 @@ const RUN: usize = 1 << 16;
 const MOST_UNSYNCED: usize = 1000;
 
 /// What goes from the eye to the disk.
-pub enum Delivery {
+pub(crate) enum Delivery {
     /// What is seen before the first frame.
     Start(Box<Finished>),
     Frame(Box<Finished>),
@@ -34,21 +34,21 @@ pub enum Delivery {
 }
 
 /// One finished frame.
-pub struct Finished {
+pub(crate) struct Finished {
     /// Its number in four digits, or `start`.
-    pub name: String,
+    pub(crate) name: String,
     /// Whether it has pictures.
-    pub pictured: bool,
+    pub(crate) pictured: bool,
     /// The frame of the footage that was looked at.
-    pub file: usize,
-    pub seen: Planes,
-    pub map: Option<Arc<ToneMap>>,
+    pub(crate) file: usize,
+    pub(crate) seen: Planes,
+    pub(crate) map: Option<Arc<ToneMap>>,
     /// Drawn into its display picture.
-    pub marks: Option<Marks>,
+    pub(crate) marks: Option<Marks>,
     /// Unbleached fractions to be written as `state.####.exr`, or `state.exr` for `None`.
-    pub state: Option<(Option<u32>, Planes, f64)>,
-    pub trace: String,
-    pub probes: String,
+    pub(crate) state: Option<(Option<u32>, Planes, f64)>,
+    pub(crate) trace: String,
+    pub(crate) probes: String,
 }
 
 impl Finished {
@@ -62,27 +62,27 @@ impl Finished {
 }
 
 /// Where and how a run's files are written.
-pub struct Writer<'a> {
-    pub folder: &'a Path,
-    pub display: Display,
+pub(crate) struct Writer<'a> {
+    pub(crate) folder: &'a Path,
+    pub(crate) display: Display,
     /// The percept's RGB and scale -> linear sRGB in cd/m2.
-    pub seen_to_srgb: [[f32; 3]; 3],
+    pub(crate) seen_to_srgb: [[f32; 3]; 3],
     /// Whether `seen` is written at all.
-    pub seen: bool,
+    pub(crate) seen: bool,
     /// Whether as halves, whatever it was computed in: codes of a film hold no more.
-    pub halved: bool,
+    pub(crate) halved: bool,
     /// The display window among the pixels of a percept: all that display pictures show.
-    pub window: Window,
+    pub(crate) window: Window,
     /// Whose frames pass on with `seen` what else they carry.
-    pub plates: Option<&'a dyn Footage>,
-    pub compression: Compression,
-    pub about: About,
+    pub(crate) plates: Option<&'a dyn Footage>,
+    pub(crate) compression: Compression,
+    pub(crate) about: About,
     /// Digest of the configuration, for state files.
-    pub digest: String,
+    pub(crate) digest: String,
 }
 
 /// The two tables of a run, which grow by whole rows.
-pub struct Tables {
+pub(crate) struct Tables {
     trace: (PathBuf, File),
     probes: (PathBuf, File),
 }
@@ -93,7 +93,7 @@ impl Tables {
     ///
     /// # Errors
     /// A table cannot be written, or is shorter than the checkpoint says.
-    pub fn open(folder: &Path, comment: &str, lengths: Option<[u64; 2]>) -> Result<Tables> {
+    pub(crate) fn open(folder: &Path, comment: &str, lengths: Option<[u64; 2]>) -> Result<Tables> {
         let open = |name: &str, header: &str, length: Option<u64>| {
             let path = folder.join(name);
             let file = match length {
@@ -157,7 +157,7 @@ fn cut(path: &Path, length: u64) -> Result<File> {
 impl Writer<'_> {
     /// Writes everything that arrives, in order, until the eye hangs up. Percepts go back to be
     /// written over.
-    pub fn write_all(
+    pub(crate) fn write_all(
         &self,
         mut tables: Tables,
         from_eye: &Receiver<Delivery>,
@@ -197,7 +197,7 @@ impl Writer<'_> {
 
     /// Writes one frame's pictures and state, and says which files those are. The two pictures are
     /// made side by side: a PNG takes one thread.
-    pub fn write(&self, frame: &Finished, spent: &mut Timing) -> Result<Vec<PathBuf>> {
+    pub(crate) fn write(&self, frame: &Finished, spent: &mut Timing) -> Result<Vec<PathBuf>> {
         let begun = Instant::now();
         let (seen, display) = rayon::join(|| self.write_seen(frame), || self.write_display(frame));
         let (seen, (display, mapped)) = (seen?, display?);
@@ -255,7 +255,7 @@ impl Writer<'_> {
     }
 
     /// The percept as sRGB bytes.
-    pub fn picture(&self, seen: &Planes, map: &ToneMap) -> Vec<u8> {
+    pub(crate) fn picture(&self, seen: &Planes, map: &ToneMap) -> Vec<u8> {
         let mut bytes = vec![0; 3 * seen.width * seen.height];
         self.display.picture(seen, &self.seen_to_srgb, map, &mut bytes);
         bytes

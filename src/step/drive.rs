@@ -25,7 +25,7 @@ pub enum Drive {
 
 impl Drive {
     /// The light at `fraction` of the step.
-    pub fn at(self, fraction: f64) -> Trolands {
+    pub(crate) fn at(self, fraction: f64) -> Trolands {
         match self {
             Drive::Held(light) => light,
             Drive::Ramp { from, to } => Trolands(from.0 + (to.0 - from.0) * fraction),
@@ -60,7 +60,7 @@ impl Drive {
     }
 
     /// The part of the step from fraction `from` to fraction `to`, as a step of its own.
-    pub fn part(self, from: f64, to: f64) -> Drive {
+    pub(crate) fn part(self, from: f64, to: f64) -> Drive {
         match self {
             Drive::Held(light) => Drive::Held(light),
             Drive::Ramp { .. } => Drive::Ramp { from: self.at(from), to: self.at(to) },

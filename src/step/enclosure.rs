@@ -26,7 +26,7 @@ pub struct Enclosed {
 
 /// Sub-steps beyond which no more are tried; far more than any budget that shows in a picture asks
 /// for.
-pub const MOST_SUBSTEPS: u32 = 65536;
+pub(crate) const MOST_SUBSTEPS: u32 = 65536;
 
 /// `advance` with a proven bound of its error, for a start that is itself exact.
 pub fn enclosed(

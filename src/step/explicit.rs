@@ -9,10 +9,10 @@ use crate::kinetics::Kinetics;
 use crate::units::Seconds;
 
 /// Coefficients of an explicit Runge-Kutta method; c_i is the sum of row a_i.
-pub struct Explicit<const S: usize> {
-    pub a: [[f64; S]; S],
-    pub b: [f64; S],
-    pub c: [f64; S],
+pub(crate) struct Explicit<const S: usize> {
+    pub(crate) a: [[f64; S]; S],
+    pub(crate) b: [f64; S],
+    pub(crate) c: [f64; S],
 }
 
 /// The slopes k_i of one step.
@@ -34,7 +34,7 @@ pub(super) fn slopes<const S: usize>(
 
 /// One explicit step.
 #[inline]
-pub fn runge_kutta<const S: usize>(
+pub(crate) fn runge_kutta<const S: usize>(
     tableau: &Explicit<S>,
     kinetics: &Kinetics,
     p: f64,

@@ -21,10 +21,11 @@ mod ramp;
 mod rosenbrock;
 pub(crate) mod special;
 
-pub use adaptive::{Adaptive, dormand_prince};
+pub use adaptive::dormand_prince;
 pub use drive::Drive;
-pub use enclosure::{Enclosed, MOST_SUBSTEPS, enclosed, enclosed_within, substeps_for};
-pub use explicit::{Explicit, runge_kutta};
+pub(crate) use enclosure::{Enclosed, MOST_SUBSTEPS};
+pub use enclosure::{enclosed, enclosed_within, substeps_for};
+pub(crate) use explicit::runge_kutta;
 pub use exponential::{advance, frozen_midpoint, relax};
 pub use implicit::{Implicit, collocate};
 pub use rosenbrock::{Rosenbrock, linearly_implicit};
@@ -53,7 +54,7 @@ pub struct Method {
     pub tolerance: f64,
     pub source: &'static str,
     /// Whether one step of held light is the solution itself, for laws that have one.
-    pub exact_when_held: bool,
+    pub(crate) exact_when_held: bool,
     /// p after one step.
     pub step: fn(&Kinetics, f64, Drive, Seconds) -> f64,
 }
@@ -95,8 +96,8 @@ impl Method {
 /// A step too long for its method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PastLimit {
-    pub h_lambda: f64,
-    pub limit: f64,
+    pub(crate) h_lambda: f64,
+    pub(crate) limit: f64,
 }
 
 impl std::fmt::Display for PastLimit {

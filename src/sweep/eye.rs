@@ -16,12 +16,12 @@ pub(super) struct CaseEye(Watching);
 
 /// What was seen at the end of a span.
 pub(super) struct Seen {
-    pub look: Look,
-    pub readings: Vec<Reading>,
+    pub(crate) look: Look,
+    pub(crate) readings: Vec<Reading>,
     /// What the probes would read under this light for ever.
-    pub steady: Vec<Reading>,
+    pub(crate) steady: Vec<Reading>,
     /// What to say if the span is past the step length that the method is stable to.
-    pub past_limit: Option<String>,
+    pub(crate) past_limit: Option<String>,
 }
 
 impl CaseEye {

@@ -29,9 +29,9 @@ const OF_CASE: [&str; 4] = [manifest::NAME, "cells.csv", "cells.png", "case.json
 
 /// A folder that holds one sweep, and the claim on it.
 pub(super) struct Folder {
-    pub path: PathBuf,
+    pub(crate) path: PathBuf,
     /// Names the sweep.
-    pub digest: String,
+    pub(crate) digest: String,
     _claim: Claim,
 }
 
@@ -39,28 +39,28 @@ pub(super) struct Folder {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Done {
     /// The sweep's, of which it is a case.
-    pub digest: String,
+    pub(crate) digest: String,
     /// Names the rows that it left in `cells.csv`.
-    pub rows: String,
+    pub(crate) rows: String,
     /// Frames with samples that had to be mended, and numbers without a file.
-    pub bad_frames: usize,
+    pub(crate) bad_frames: usize,
     /// Width and height of the sheet's pictures.
-    pub size: [usize; 2],
+    pub(crate) size: [usize; 2],
     /// What to say if the sampled check found more than the budget.
-    pub beyond: Option<String>,
+    pub(crate) beyond: Option<String>,
     /// What to say of the first span past the limit of its method.
-    pub past_limit: Option<String>,
-    pub steady: Vec<Steady>,
+    pub(crate) past_limit: Option<String>,
+    pub(crate) steady: Vec<Steady>,
 }
 
 /// What a probe of a case would come to under its last light.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Steady {
     #[serde(deserialize_with = "numbers")]
-    pub bleached: [f64; 3],
+    pub(crate) bleached: [f64; 3],
     /// NaN where the percept is black.
     #[serde(deserialize_with = "numbers")]
-    pub chromaticity: [f64; 2],
+    pub(crate) chromaticity: [f64; 2],
 }
 
 /// Numbers as JSON holds them, which writes those that are not finite as null.
@@ -75,11 +75,11 @@ where
 
 /// All that a finished case left for the sheet, the table and the plot.
 pub(super) struct Left {
-    pub done: Done,
+    pub(crate) done: Done,
     /// Rows of the table, with its header.
-    pub rows: String,
+    pub(crate) rows: String,
     /// The sheet's pictures, one below the other, 8-bit RGB.
-    pub pictures: Vec<u8>,
+    pub(crate) pictures: Vec<u8>,
 }
 
 impl Folder {

@@ -10,12 +10,12 @@ use crate::units::Seconds;
 /// The light of one file held over [start, end), and the cell that looks at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Span {
-    pub file: usize,
-    pub start: f64,
-    pub end: f64,
+    pub(crate) file: usize,
+    pub(crate) start: f64,
+    pub(crate) end: f64,
     /// The frame that it is of.
-    pub number: u32,
-    pub cell: Option<usize>,
+    pub(crate) number: u32,
+    pub(crate) cell: Option<usize>,
 }
 
 impl Span {

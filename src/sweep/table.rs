@@ -19,9 +19,9 @@ pub(super) fn header(keys: &[String]) -> String {
 
 /// What a cell's rows begin with.
 pub(super) struct Cell<'a> {
-    pub case: usize,
-    pub duration: f64,
-    pub values: &'a [String],
+    pub(crate) case: usize,
+    pub(crate) duration: f64,
+    pub(crate) values: &'a [String],
 }
 
 /// The rows of one cell. `steady`: what each probe would read if the light lasted.

@@ -38,22 +38,22 @@ const FITTED: (f64, f64) = (1e-9, 1e-5);
 
 /// The error of the steady state at one moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fall {
-    pub time: f64,
-    pub error: f64,
+pub(crate) struct Fall {
+    pub(crate) time: f64,
+    pub(crate) error: f64,
     p: f64,
 }
 
 /// One field of light, and how the error of the steady state falls on it.
 #[derive(Clone, Debug)]
-pub struct Field {
-    pub light: f64,
-    pub start: f64,
+pub(crate) struct Field {
+    pub(crate) light: f64,
+    pub(crate) start: f64,
     /// Theory's rate, 1/s.
-    pub rate: f64,
+    pub(crate) rate: f64,
     /// The rate of the measured fall, 1/s.
-    pub fitted: f64,
-    pub falls: Vec<Fall>,
+    pub(crate) fitted: f64,
+    pub(crate) falls: Vec<Fall>,
 }
 
 /// The exact method as a run uses it.

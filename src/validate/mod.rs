@@ -27,8 +27,9 @@ use crate::kinetics::Kinetics;
 use crate::observer::Observer;
 use crate::units::{Seconds, Trolands};
 
-pub use limit::{Fall, Field};
-pub use table::{csv, rows, summary, text};
+pub(crate) use limit::Field;
+pub(crate) use table::summary;
+pub use table::{csv, rows, text};
 
 /// What became of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,7 +42,7 @@ pub enum Verdict {
 
 impl Verdict {
     /// The word in `validate.csv`.
-    pub fn word(self) -> &'static str {
+    pub(crate) fn word(self) -> &'static str {
         match self {
             Verdict::Pass => "true",
             Verdict::Fail => "false",
@@ -54,17 +55,17 @@ impl Verdict {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Check {
     pub name: String,
-    pub source: &'static str,
+    pub(crate) source: &'static str,
     pub measured: f64,
     pub expected: f64,
     /// Largest difference that passes.
-    pub tolerance: f64,
+    pub(crate) tolerance: f64,
     pub verdict: Verdict,
 }
 
 impl Check {
     /// A check that passes if the two differ by no more than `tolerance`.
-    pub fn new(
+    pub(crate) fn new(
         name: impl Into<String>,
         source: &'static str,
         measured: f64,
@@ -77,7 +78,12 @@ impl Check {
     }
 
     /// A known disagreement: what is computed here beside what was printed.
-    pub fn info(name: impl Into<String>, source: &'static str, ours: f64, printed: f64) -> Self {
+    pub(crate) fn info(
+        name: impl Into<String>,
+        source: &'static str,
+        ours: f64,
+        printed: f64,
+    ) -> Self {
         let tolerance = f64::NAN;
         Check {
             name: name.into(),
@@ -98,22 +104,22 @@ impl Check {
 
 /// Checks of one kind under a heading.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Group {
-    pub title: &'static str,
-    pub checks: Vec<Check>,
+pub(crate) struct Group {
+    pub(crate) title: &'static str,
+    pub(crate) checks: Vec<Check>,
 }
 
 /// All that was checked.
 #[derive(Clone, Debug)]
 pub struct Validation {
-    pub groups: Vec<Group>,
+    pub(crate) groups: Vec<Group>,
     /// How the error of the steady state falls on uniform fields, for the picture.
-    pub fields: Vec<Field>,
+    pub(crate) fields: Vec<Field>,
 }
 
 impl Validation {
     /// Every check of every group.
-    pub fn checks(&self) -> impl Iterator<Item = &Check> {
+    pub(crate) fn checks(&self) -> impl Iterator<Item = &Check> {
         self.groups.iter().flat_map(|group| &group.checks)
     }
 

@@ -120,7 +120,7 @@ fn sensible(value: f64, tolerance: f64) -> String {
 }
 
 /// The last line: how many passed, failed and are stated.
-pub fn summary(validation: &Validation) -> String {
+pub(crate) fn summary(validation: &Validation) -> String {
     let [pass, fail, info] =
         [Verdict::Pass, Verdict::Fail, Verdict::Info].map(|verdict| validation.count(verdict));
     format!("{} checks: {pass} pass, {fail} fail, {info} stated as information", pass + fail + info)

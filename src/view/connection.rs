@@ -22,13 +22,13 @@ const LONGEST: usize = 64 << 10;
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// What connections share.
-pub struct Service {
-    pub token: String,
-    pub exchange: Exchange<Picture>,
+pub(crate) struct Service {
+    pub(crate) token: String,
+    pub(crate) exchange: Exchange<Picture>,
 }
 
 /// Serves one connection to its end. Whatever goes wrong with it ends it and nothing else.
-pub fn serve(service: &Service, mut stream: TcpStream, busy: bool) -> Result<()> {
+pub(crate) fn serve(service: &Service, mut stream: TcpStream, busy: bool) -> Result<()> {
     stream.set_write_timeout(Some(PATIENCE))?;
     stream.set_nodelay(true)?;
     if busy {

@@ -17,7 +17,7 @@ const CREDITS: u8 = 2;
 const ABSENT: Duration = Duration::from_secs(2);
 
 /// The meeting place. `P`: what the eye shows.
-pub struct Exchange<P> {
+pub(crate) struct Exchange<P> {
     inside: Mutex<Inside<P>>,
     changed: Condvar,
 }
@@ -36,7 +36,7 @@ struct Inside<P> {
 }
 
 /// What is to be sent to a page next.
-pub enum Next<P> {
+pub(crate) enum Next<P> {
     Picture(u32, Arc<P>),
     Note(String),
     /// Another page has taken over.
@@ -46,7 +46,7 @@ pub enum Next<P> {
 }
 
 impl<P> Exchange<P> {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let inside = Inside {
             wish: Wish::default(),
             picture: None,
@@ -72,7 +72,7 @@ impl<P> Exchange<P> {
     }
 
     /// A page comes and takes over. Returns its number.
-    pub fn come(&self) -> u64 {
+    pub(crate) fn come(&self) -> u64 {
         self.change(|inside| {
             inside.pages += 1;
             inside.page = inside.pages;
@@ -83,12 +83,12 @@ impl<P> Exchange<P> {
     }
 
     /// A page goes.
-    pub fn go(&self, page: u64) {
+    pub(crate) fn go(&self, page: u64) {
         self.change(|inside| inside.page = if inside.page == page { 0 } else { inside.page });
     }
 
     /// A page asks for something; one that is no longer served is not heard.
-    pub fn ask(&self, page: u64, message: Message) {
+    pub(crate) fn ask(&self, page: u64, message: Message) {
         self.change(|inside| {
             if inside.page != page {
                 return;
@@ -101,7 +101,7 @@ impl<P> Exchange<P> {
     }
 
     /// The eye shows a picture. Returns the one before, if nobody else has it.
-    pub fn show(&self, picture: P) -> Option<P> {
+    pub(crate) fn show(&self, picture: P) -> Option<P> {
         self.change(|inside| {
             let seq = inside.picture.as_ref().map_or(1, |(seq, _)| seq.wrapping_add(1));
             let old = inside.picture.replace((seq, Arc::new(picture)));
@@ -110,12 +110,12 @@ impl<P> Exchange<P> {
     }
 
     /// The eye says something, in place of the last of its kind.
-    pub fn say(&self, kind: &'static str, what: Value) {
+    pub(crate) fn say(&self, kind: &'static str, what: Value) {
         self.change(|inside| inside.notes.insert(kind, what));
     }
 
     /// The wish that is waiting. While the eye is at rest, or nobody looks, it waits for one; `None`: the end.
-    pub fn heed(&self, at_rest: bool) -> Option<Wish> {
+    pub(crate) fn heed(&self, at_rest: bool) -> Option<Wish> {
         let mut inside = self.lock();
         loop {
             let absent =
@@ -131,7 +131,7 @@ impl<P> Exchange<P> {
     }
 
     /// What to send to a page that was last sent the picture `seq`; waits for it. Taking a picture costs a credit.
-    pub fn next(&self, page: u64, seq: u32) -> Next<P> {
+    pub(crate) fn next(&self, page: u64, seq: u32) -> Next<P> {
         let mut inside = self.lock();
         loop {
             if inside.closed || inside.page == 0 {
@@ -156,7 +156,7 @@ impl<P> Exchange<P> {
     }
 
     /// Ends everything that waits here.
-    pub fn close(&self) {
+    pub(crate) fn close(&self) {
         self.change(|inside| inside.closed = true);
     }
 }

@@ -18,20 +18,20 @@ const PATIENCE: Duration = Duration::from_secs(5);
 
 /// What a request's head says, as far as it matters here.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Head {
-    pub method: String,
-    pub path: String,
+pub(crate) struct Head {
+    pub(crate) method: String,
+    pub(crate) path: String,
     hosts: Vec<String>,
     origins: Vec<String>,
     key: Option<String>,
     upgrades: bool,
     /// Bytes that came after the head.
-    pub rest: Vec<u8>,
+    pub(crate) rest: Vec<u8>,
 }
 
 /// An answer without a body of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Status {
+pub(crate) enum Status {
     BadRequest,
     Forbidden,
     NotFound,
@@ -57,7 +57,7 @@ impl Status {
 
 /// What may be had.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Wanted {
+pub(crate) enum Wanted {
     /// The page, by the name and port that it was asked for.
     Page(String),
     /// The WebSocket, by its client's key.
@@ -68,7 +68,7 @@ pub enum Wanted {
 ///
 /// # Errors
 /// The connection's, or its end; a head that does not arrive in time.
-pub fn head(stream: &mut TcpStream) -> Result<std::result::Result<Head, Status>> {
+pub(crate) fn head(stream: &mut TcpStream) -> Result<std::result::Result<Head, Status>> {
     let (begun, mut bytes) = (Instant::now(), Vec::new());
     loop {
         match parsed(&bytes) {
@@ -125,7 +125,7 @@ impl Head {
     ///
     /// # Errors
     /// The status to answer with.
-    pub fn wanted(&self) -> std::result::Result<Wanted, Status> {
+    pub(crate) fn wanted(&self) -> std::result::Result<Wanted, Status> {
         let [host] = &self.hosts[..] else { return Err(Status::Misdirected) };
         if !is_this_machine(host) {
             return Err(Status::Misdirected);
@@ -165,7 +165,7 @@ fn is_this_machine(host: &str) -> bool {
 }
 
 /// Answers with a status alone.
-pub fn refuse(stream: &mut TcpStream, status: Status) -> Result<()> {
+pub(crate) fn refuse(stream: &mut TcpStream, status: Status) -> Result<()> {
     let line = status.line();
     let length = line.len() + 1;
     write!(
@@ -175,7 +175,7 @@ pub fn refuse(stream: &mut TcpStream, status: Status) -> Result<()> {
 }
 
 /// Answers with the page. Its own policy says what it may load; nobody may frame it.
-pub fn send_page(stream: &mut TcpStream, page: &str) -> Result<()> {
+pub(crate) fn send_page(stream: &mut TcpStream, page: &str) -> Result<()> {
     let length = page.len();
     write!(
         stream,
@@ -188,7 +188,7 @@ pub fn send_page(stream: &mut TcpStream, page: &str) -> Result<()> {
 }
 
 /// Answers a WebSocket's key.
-pub fn switch(stream: &mut TcpStream, key: &str) -> Result<()> {
+pub(crate) fn switch(stream: &mut TcpStream, key: &str) -> Result<()> {
     let accept = tungstenite::handshake::derive_accept_key(key.as_bytes());
     write!(
         stream,

@@ -6,7 +6,7 @@ const MOST: usize = 16;
 const BUDGET: usize = 256 << 20;
 
 /// States by how many looks had been lived, the start always among them.
-pub struct Keys<S> {
+pub(crate) struct Keys<S> {
     kept: Vec<(usize, S)>,
     /// A state is kept after so many looks.
     spacing: usize,
@@ -14,13 +14,13 @@ pub struct Keys<S> {
 
 impl<S: Clone> Keys<S> {
     /// The state before the first look.
-    pub fn new(start: S) -> Self {
+    pub(crate) fn new(start: S) -> Self {
         Keys { kept: vec![(0, start)], spacing: 16 }
     }
 
     /// Keeps a state, if it is one's turn. When there are too many, or they take too much memory (`size` bytes each),
     /// every other goes.
-    pub fn keep(&mut self, lived: usize, size: usize, state: impl FnOnce() -> S) {
+    pub(crate) fn keep(&mut self, lived: usize, size: usize, state: impl FnOnce() -> S) {
         let last = self.kept.last().map_or(0, |(at, _)| *at);
         if lived < last + self.spacing {
             return;
@@ -37,23 +37,23 @@ impl<S: Clone> Keys<S> {
     }
 
     /// How many looks had been lived at the last state at or before this many.
-    pub fn nearest(&self, looks: usize) -> usize {
+    pub(crate) fn nearest(&self, looks: usize) -> usize {
         self.kept[self.kept.partition_point(|(at, _)| *at <= looks).max(1) - 1].0
     }
 
     /// The last state at or before this many looks.
-    pub fn before(&self, looks: usize) -> (usize, S) {
+    pub(crate) fn before(&self, looks: usize) -> (usize, S) {
         let next = self.kept.partition_point(|(at, _)| *at <= looks);
         self.kept[next.max(1) - 1].clone()
     }
 
     /// Changes every state alike.
-    pub fn each(&mut self, change: impl Fn(&mut S)) {
+    pub(crate) fn each(&mut self, change: impl Fn(&mut S)) {
         self.kept.iter_mut().for_each(|(_, state)| change(state));
     }
 
     /// Forgets what lies after this many looks: they will be others.
-    pub fn forget_after(&mut self, looks: usize) {
+    pub(crate) fn forget_after(&mut self, looks: usize) {
         self.kept.retain(|(at, _)| *at <= looks);
     }
 }

@@ -18,8 +18,9 @@ use crate::display::{Display, ToneMap};
 use crate::error::Result;
 use crate::eye::{self, Eye, Look, Stimulus};
 use crate::light::Planes;
+use crate::run::gaze::{self, Gaze};
 use crate::run::schedule::Step;
-use crate::run::{Gaze, Loaded, Scene, record};
+use crate::run::{Loaded, Scene, record};
 use crate::units::Seconds;
 
 /// One look of a path.
@@ -28,9 +29,9 @@ pub struct Moment {
     /// The end of the look, s.
     pub end: f64,
     /// Fractions of the picture.
-    pub gaze: [f64; 2],
+    pub(crate) gaze: [f64; 2],
     /// Unbleached fractions at the gaze, once lived.
-    pub p: [f32; 3],
+    pub(crate) p: [f32; 3],
 }
 
 /// What the next picture depends on.
@@ -105,7 +106,7 @@ impl Live {
     }
 
     /// The configuration under which the eye lives.
-    pub fn config(&self) -> &Config {
+    pub(crate) fn config(&self) -> &Config {
         &self.config
     }
 
@@ -118,12 +119,12 @@ impl Live {
     ///
     /// # Errors
     /// A configuration that TOML cannot hold: never.
-    pub fn viewing(&self, path: &str) -> Result<String> {
+    pub(crate) fn viewing(&self, path: &str) -> Result<String> {
         self.config.viewing(path, self.reel.is_still())
     }
 
     /// What the reader passed over, assumed or did, one sentence each.
-    pub fn notes(&self) -> &[String] {
+    pub(crate) fn notes(&self) -> &[String] {
         &self.scene.footage.header().notes
     }
 
@@ -133,7 +134,7 @@ impl Live {
     }
 
     /// Where the eye looks, fractions of the picture.
-    pub fn gaze(&self) -> [f64; 2] {
+    pub(crate) fn gaze(&self) -> [f64; 2] {
         self.head.gaze
     }
 
@@ -171,7 +172,7 @@ impl Live {
     }
 
     /// Where the eye will look once it has caught up, fractions of the picture.
-    pub fn gaze_to_come(&self) -> [f64; 2] {
+    pub(crate) fn gaze_to_come(&self) -> [f64; 2] {
         self.target.checked_sub(1).map_or(self.head.gaze, |last| self.path[last].gaze)
     }
 
@@ -236,7 +237,7 @@ impl Live {
     }
 
     /// Takes a percept back to be written over.
-    pub fn recycle(&mut self, picture: Picture) {
+    pub(crate) fn recycle(&mut self, picture: Picture) {
         self.spare = Arc::into_inner(picture.percept).or(self.spare.take());
     }
 
@@ -303,7 +304,8 @@ fn recorded(config: &Config) -> Result<Vec<Moment>> {
 fn first_gaze(config: &Config, scene: &Scene, light: &Loaded) -> Result<[f64; 2]> {
     let window = scene.footage.window();
     let brightest = || eye::brightest(&scene.vision, &light.frame.planes, &light.survey);
-    let at = Gaze::of(config)?.at_first(brightest, window);
+    let first = gaze::Moment { time: 0.0, frame: 0 };
+    let at = Gaze::of(config)?.pixel(first, brightest, window, None);
     Ok(window.fraction(at).map(|at| at.clamp(0.0, 1.0)))
 }
 

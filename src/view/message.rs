@@ -19,10 +19,10 @@ use serde::Deserialize;
 use serde_json::Value;
 
 /// The fastest that time runs.
-pub const FASTEST: f64 = 100.0;
+pub(crate) const FASTEST: f64 = 100.0;
 
 /// Keys that a page may set: the eye's, its optics' and the display's, and none that names a file.
-pub const KEYS: [&str; 14] = [
+pub(crate) const KEYS: [&str; 14] = [
     "observer.age",
     "observer.pupil",
     "observer.pupil_mm",
@@ -42,19 +42,19 @@ pub const KEYS: [&str; 14] = [
 /// What a page says.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq)]
 #[serde(default, deny_unknown_fields)]
-pub struct Message {
-    pub hello: Option<String>,
-    pub look: Option<[f64; 2]>,
-    pub id: Option<u32>,
-    pub play: Option<bool>,
-    pub speed: Option<f64>,
-    pub scrub: Option<f64>,
-    pub rest: bool,
-    pub before: Option<bool>,
-    pub set: BTreeMap<String, Value>,
-    pub shown: Option<u32>,
-    pub save: bool,
-    pub open: Option<String>,
+pub(crate) struct Message {
+    pub(crate) hello: Option<String>,
+    pub(crate) look: Option<[f64; 2]>,
+    pub(crate) id: Option<u32>,
+    pub(crate) play: Option<bool>,
+    pub(crate) speed: Option<f64>,
+    pub(crate) scrub: Option<f64>,
+    pub(crate) rest: bool,
+    pub(crate) before: Option<bool>,
+    pub(crate) set: BTreeMap<String, Value>,
+    pub(crate) shown: Option<u32>,
+    pub(crate) save: bool,
+    pub(crate) open: Option<String>,
 }
 
 impl Message {
@@ -62,7 +62,7 @@ impl Message {
     ///
     /// # Errors
     /// What is wrong with it.
-    pub fn read(text: &str) -> Result<Message, String> {
+    pub(crate) fn read(text: &str) -> Result<Message, String> {
         if !text.trim_start().starts_with('{') {
             return Err("not understood; accepted: a JSON object".into());
         }
@@ -87,25 +87,25 @@ impl Message {
 
 /// What the page wants of the eye: the newest of each kind, never a queue.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Wish {
+pub(crate) struct Wish {
     /// A page has come.
-    pub hello: bool,
-    pub look: Option<[f64; 2]>,
+    pub(crate) hello: bool,
+    pub(crate) look: Option<[f64; 2]>,
     /// The greatest number of a look; 0: none.
-    pub id: u32,
-    pub play: Option<bool>,
-    pub speed: Option<f64>,
-    pub scrub: Option<f64>,
-    pub rest: bool,
-    pub before: Option<bool>,
-    pub set: BTreeMap<String, Value>,
-    pub save: bool,
-    pub open: Option<String>,
+    pub(crate) id: u32,
+    pub(crate) play: Option<bool>,
+    pub(crate) speed: Option<f64>,
+    pub(crate) scrub: Option<f64>,
+    pub(crate) rest: bool,
+    pub(crate) before: Option<bool>,
+    pub(crate) set: BTreeMap<String, Value>,
+    pub(crate) save: bool,
+    pub(crate) open: Option<String>,
 }
 
 impl Wish {
     /// Adds what a message asks for on top of what is still waiting.
-    pub fn add(&mut self, message: Message) {
+    pub(crate) fn add(&mut self, message: Message) {
         self.look = message.look.or(self.look);
         self.id = message.id.unwrap_or(0).max(self.id);
         self.play = message.play.or(self.play);
@@ -119,14 +119,14 @@ impl Wish {
     }
 
     /// Whether nothing is wanted.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         *self == Wish::default()
     }
 }
 
 /// How a picture is encoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Form {
+pub(crate) enum Form {
     Jpeg = 1,
     Png = 2,
 }
@@ -134,27 +134,27 @@ pub enum Form {
 /// What stands before a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Head {
-    pub seq: u32,
+    pub(crate) seq: u32,
     /// The last look that this picture has seen.
-    pub id: u32,
-    pub size: [usize; 2],
-    pub form: Form,
-    pub playing: bool,
+    pub(crate) id: u32,
+    pub(crate) size: [usize; 2],
+    pub(crate) form: Form,
+    pub(crate) playing: bool,
     /// The end of the look, s.
-    pub time: f64,
-    pub duration: f64,
+    pub(crate) time: f64,
+    pub(crate) duration: f64,
     /// Unbleached fractions at the gaze.
-    pub p: [f64; 3],
-    pub pupil_mm: f64,
+    pub(crate) p: [f64; 3],
+    pub(crate) pupil_mm: f64,
     /// Mean luminance over the fovea, cd/m2.
-    pub fovea: f64,
+    pub(crate) fovea: f64,
     /// Fractions of the picture.
-    pub gaze: [f64; 2],
+    pub(crate) gaze: [f64; 2],
 }
 
 impl Head {
     /// The head of a picture that nobody has looked at yet.
-    pub fn rested(size: [usize; 2], gaze: [f64; 2]) -> Head {
+    pub(crate) fn rested(size: [usize; 2], gaze: [f64; 2]) -> Head {
         Head {
             seq: 0,
             id: 0,
@@ -174,7 +174,7 @@ impl Head {
     pub const LENGTH: usize = 72;
 
     /// The head as bytes, with room for a picture behind it.
-    pub fn bytes(&self) -> Vec<u8> {
+    pub(crate) fn bytes(&self) -> Vec<u8> {
         let mut bytes = Vec::with_capacity(1 << 17);
         bytes.extend_from_slice(b"SGZ1");
         bytes.extend([self.seq, self.id].iter().flat_map(|v| v.to_le_bytes()));

@@ -10,7 +10,7 @@
 //!
 //! Nobody queues: a slow page sees fewer pictures and never holds the eye up, and an eye that nobody looks at rests.
 //! The server listens on 127.0.0.1 only, answers to this machine's own names only, and serves whoever says the token,
-//! 128 bits from the system's source. The page names no file: it sets keys of [`message::KEYS`] and saves into one
+//! 128 bits from the system's source. The page names no file: it sets keys of `message::KEYS` and saves into one
 //! folder.
 
 mod connection;
@@ -35,7 +35,7 @@ use crate::error::{Error, Result};
 
 use connection::Service;
 use exchange::Exchange;
-pub use live::{Live, Moment};
+pub use live::Live;
 use pace::Pace;
 pub use saved::save;
 

@@ -25,7 +25,7 @@ const GLIMPSE: Duration = Duration::from_millis(60);
 const ROWS: usize = 2000;
 
 /// A live eye as one page wants it to live.
-pub struct Pace {
+pub(crate) struct Pace {
     live: Live,
     /// Where it is saved.
     out: PathBuf,
@@ -40,14 +40,14 @@ pub struct Pace {
 }
 
 impl Pace {
-    pub fn new(live: Live, out: PathBuf) -> Self {
+    pub(crate) fn new(live: Live, out: PathBuf) -> Self {
         let (gaze, now) = (live.gaze(), Instant::now());
         let (playing, speed, id, before) = (false, 1.0, 0, false);
         Pace { live, out, playing, speed, gaze, id, before, clock: now, shown: now }
     }
 
     /// Lives until the exchange is closed.
-    pub fn live(mut self, exchange: &Exchange<Picture>) {
+    pub(crate) fn live(mut self, exchange: &Exchange<Picture>) {
         self.tell(exchange);
         self.show(exchange);
         while let Some(wish) = exchange.heed(self.is_at_rest()) {

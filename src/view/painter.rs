@@ -18,14 +18,14 @@ const QUALITY: u8 = 90;
 #[derive(Clone, Debug)]
 pub struct Picture {
     /// All but the number and the form, which the painter knows.
-    pub head: Head,
+    pub(crate) head: Head,
     /// Whether it stays on the page: then it is exact.
-    pub lasts: bool,
+    pub(crate) lasts: bool,
     pub percept: Arc<Planes>,
     /// The percept's RGB -> linear sRGB in cd/m2.
-    pub to_srgb: [[f32; 3]; 3],
-    pub display: Display,
-    pub map: Arc<ToneMap>,
+    pub(crate) to_srgb: [[f32; 3]; 3],
+    pub(crate) display: Display,
+    pub(crate) map: Arc<ToneMap>,
 }
 
 impl Picture {
@@ -40,7 +40,7 @@ impl Picture {
 
 /// A painter with its memory.
 #[derive(Default)]
-pub struct Painter {
+pub(crate) struct Painter {
     rgb: Vec<u8>,
 }
 
@@ -49,7 +49,7 @@ impl Painter {
     ///
     /// # Errors
     /// A picture that its form cannot hold.
-    pub fn paint(&mut self, seq: u32, picture: &Picture) -> io::Result<Vec<u8>> {
+    pub(crate) fn paint(&mut self, seq: u32, picture: &Picture) -> io::Result<Vec<u8>> {
         let form = if picture.lasts { Form::Png } else { Form::Jpeg };
         let mut bytes = Head { seq, form, ..picture.head }.bytes();
         let Picture { percept, to_srgb, display, map, .. } = picture;

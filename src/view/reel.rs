@@ -4,30 +4,30 @@ use crate::run::schedule::Step;
 
 /// The frames of a sequence in time; none for a still.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Reel {
+pub(crate) struct Reel {
     frames: Vec<Step>,
 }
 
 impl Reel {
     /// The reel of footage that is looked at in these steps. `still`: it has one frame, for as long as anyone looks.
-    pub fn new(steps: &[Step], still: bool) -> Self {
+    pub(crate) fn new(steps: &[Step], still: bool) -> Self {
         Reel { frames: if still { Vec::new() } else { steps.to_vec() } }
     }
 
     /// Whether the same frame is there for ever.
-    pub fn is_still(&self) -> bool {
+    pub(crate) fn is_still(&self) -> bool {
         self.frames.is_empty()
     }
 
     /// The file in front of the eye from `start` on.
-    pub fn file(&self, start: f64) -> usize {
+    pub(crate) fn file(&self, start: f64) -> usize {
         let next = self.frames.partition_point(|frame| frame.start <= start);
         self.frames.get(next.max(1) - 1).map_or(0, |frame| frame.file)
     }
 
     /// When a look from `start` on that is to last until `end` must end at the latest, for the next frame; `None`
     /// where the sequence is over.
-    pub fn until(&self, start: f64, end: f64) -> Option<f64> {
+    pub(crate) fn until(&self, start: f64, end: f64) -> Option<f64> {
         let Some(last) = self.frames.last() else { return Some(end) };
         let next = self.frames.iter().map(|frame| frame.start).find(|&edge| edge > start);
         Some(end.min(next.unwrap_or(last.end))).filter(|&end| end > start)

@@ -54,7 +54,7 @@ fn rows(path: &[Moment]) -> String {
 }
 
 /// The names of the viewings in a folder.
-pub fn names(out: &Path) -> Vec<String> {
+pub(crate) fn names(out: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(out).into_iter().flatten().flatten();
     let named = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
     let mut names: Vec<String> = named.filter(|name| is_viewing(out, name)).collect();
@@ -73,7 +73,7 @@ fn is_viewing(out: &Path, name: &str) -> bool {
 ///
 /// # Errors
 /// A name of nothing that was saved; a file that is no configuration.
-pub fn open(out: &Path, name: &str) -> Result<Config> {
+pub(crate) fn open(out: &Path, name: &str) -> Result<Config> {
     if !is_viewing(out, name) {
         return Err(Error::config("open", name, "is no saved viewing"));
     }

@@ -18,7 +18,7 @@ use crate::observer::{Narrowing, Observer};
 use crate::spectrum::Curve;
 
 /// The levels.
-pub const LEVELS: [f64; 3] = [0.0, 0.5, 1.0];
+pub(crate) const LEVELS: [f64; 3] = [0.0, 0.5, 1.0];
 
 /// Where a and b are exact: at these p for light at these shares of the densest pigment's x. Two
 /// digits of what spreads the error evenly at densities 0.1 to 0.5, by search.
@@ -35,14 +35,14 @@ pub fn level_bound(density: f64) -> f64 {
 
 /// How the levels are mixed at any p: a and b, lowest power first.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Levels {
-    pub outer: [f64; 3],
-    pub middle: [f64; 3],
+pub(crate) struct Levels {
+    pub(crate) outer: [f64; 3],
+    pub(crate) middle: [f64; 3],
 }
 
 impl Levels {
     /// Weights for pigments whose peak density is at most this.
-    pub fn of(density: f64) -> Self {
+    pub(crate) fn of(density: f64) -> Self {
         let densest = density.max(THINNEST) * LN_10;
         let exact = |p: f64| exact_weights(EXACT_X.map(|x| x * densest), p).map(|w| w / (1.0 - p));
         let exact = EXACT_P.map(exact);
@@ -53,7 +53,7 @@ impl Levels {
     }
 
     /// The weights of the levels at p; they sum to 1.
-    pub fn weights(&self, p: f64) -> [f64; 3] {
+    pub(crate) fn weights(&self, p: f64) -> [f64; 3] {
         let [w0, w1] = [self.outer, self.middle].map(|c| (1.0 - p) * polynomial(&c, p));
         [w0, w1, 1.0 - w0 - w1]
     }

@@ -1,7 +1,7 @@
 //! What one observer makes of one kind of light: planes of a frame -> cone illuminance -> percept.
 //!
 //! A catch through a pigment at p is, within [`level_bound`], a sum over three fixed spectra, one
-//! for each of its [`LEVELS`]:
+//! for each of its `LEVELS`:
 //!
 //! ```text
 //! R_k(p) = p sum_j w_j(p) M_kj,   M_kj = K integral L H_k(.; p_j),   H = s_k(.; p)/p,   p_j = 0, 1/2, 1
@@ -24,10 +24,12 @@ use crate::observer::directional::MOST_LEVELS;
 use crate::spectrum::{Bands, Curve};
 use crate::units::{Millimetres, Nits};
 
-pub use levels::{LEVELS, Levels, level_bound};
+pub use levels::level_bound;
+pub(crate) use levels::{LEVELS, Levels};
 use levels::{peaks, weighting_curves};
 use primaries::{basis_of_rgb, inner, lms_to_srgb, srgb_lights};
-pub use projection::{Projection, SampledSpectra};
+pub use projection::Projection;
+pub(crate) use projection::SampledSpectra;
 
 /// How planes become moments.
 #[derive(Clone, Debug)]
@@ -47,9 +49,9 @@ pub struct Vision {
     reception: Reception,
     levels: Levels,
     /// LMS (in units whose Y is cd/m2) -> the picture's own RGB and scale.
-    pub lms_to_seen: Matrix,
+    pub(crate) lms_to_seen: Matrix,
     /// The picture's RGB and scale -> linear sRGB in cd/m2, for the display.
-    pub seen_to_srgb: Matrix,
+    pub(crate) seen_to_srgb: Matrix,
     /// Planes -> luminance in cd/m2, for the pupil and the display.
     pub luminance: Vec<f64>,
     /// Spectral radiance, W m^-2 sr^-1 nm^-1, of each stored plane at the value 1: RGB, or the
@@ -167,7 +169,7 @@ impl Vision {
     }
 
     /// The first moment that belongs to cone illuminance.
-    pub fn first_illuminance(&self) -> usize {
+    pub(crate) fn first_illuminance(&self) -> usize {
         3 * LEVELS.len()
     }
 
@@ -242,7 +244,7 @@ impl Vision {
     }
 
     /// Cone illuminance as a linear form of the moments: `[cone][level]`, to be applied to
-    /// moments from [`Vision::first_illuminance`] on.
+    /// moments from `Vision::first_illuminance` on.
     pub fn illuminance_weights(
         &self,
         pupil: Millimetres,
@@ -280,19 +282,13 @@ impl Vision {
     }
 
     /// The percept's RGB -> linear sRGB in cd/m2, in single precision.
-    pub fn to_srgb(&self) -> [[f32; 3]; 3] {
+    pub(crate) fn to_srgb(&self) -> [[f32; 3]; 3] {
         self.seen_to_srgb.map(|row| row.map(|v| v as f32))
     }
 
     /// XYZ of catches, cd/m2.
-    pub fn xyz(&self, catch: [f64; 3]) -> [f64; 3] {
+    pub(crate) fn xyz(&self, catch: [f64; 3]) -> [f64; 3] {
         colour::apply(&self.observer.lms_to_xyz, catch)
-    }
-
-    /// H_k at the levels for the wavelengths whose largest value is the peak; `None` for the
-    /// `depleted` reading.
-    pub fn peaks(&self) -> Option<&[Vec<[f64; 3]>; 3]> {
-        self.peaks.as_ref()
     }
 }
 

@@ -16,8 +16,8 @@ use crate::light::{PlaneTile, Planes, Samples};
 /// nm^-1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Projection {
-    pub bands: usize,
-    pub rows: usize,
+    pub(crate) bands: usize,
+    pub(crate) rows: usize,
     sums: BandSums,
     /// For each stored band its number among the bands, and the factor to radiance.
     stored: Vec<(usize, f64)>,
@@ -42,7 +42,7 @@ impl Projection {
     }
 
     /// Some of the bands as they are.
-    pub fn choice(bands: usize, chosen: Range<usize>) -> Projection {
+    pub(crate) fn choice(bands: usize, chosen: Range<usize>) -> Projection {
         let mut sums = BandSums::new(chosen.len());
         for (row, band) in chosen.enumerate() {
             sums.put(row, band, 1.0);
@@ -61,7 +61,7 @@ impl Projection {
     }
 
     /// The same map, which remembers the spectra of some places.
-    pub fn keeping(&self, kept: Arc<SampledSpectra>) -> Projection {
+    pub(crate) fn keeping(&self, kept: Arc<SampledSpectra>) -> Projection {
         Projection { kept: Some(kept), ..self.clone() }
     }
 
@@ -80,14 +80,14 @@ impl Projection {
 
     /// Projects one row: `bands` runs of `width` samples in, `rows` runs of `width` sums out, added
     /// in band order.
-    pub fn project(&self, bands: &[f32], out: &mut [f32]) {
+    pub(crate) fn project(&self, bands: &[f32], out: &mut [f32]) {
         let width = bands.len() / self.bands;
         self.sums.project(PlaneTile::whole(bands, width), out);
     }
 
     /// Projects a frame of bands in memory, with the bits of one that is decoded. `old`: planes to be
     /// written over.
-    pub fn of_frame(&self, frame: &Planes, old: Option<Planes>) -> Planes {
+    pub(crate) fn of_frame(&self, frame: &Planes, old: Option<Planes>) -> Planes {
         let (width, height) = (frame.width, frame.height);
         let fits = |old: &Planes| {
             (old.width, old.height, old.count) == (width, height, self.rows)
@@ -106,7 +106,7 @@ impl Projection {
     }
 
     /// The places whose spectra are to be remembered, and room for them.
-    pub fn kept(&self) -> Option<&Arc<SampledSpectra>> {
+    pub(crate) fn kept(&self) -> Option<&Arc<SampledSpectra>> {
         self.kept.as_ref()
     }
 
@@ -150,7 +150,7 @@ impl PartialEq for SampledSpectra {
 
 impl SampledSpectra {
     /// Room for these places: column and row of each.
-    pub fn new(places: &[[usize; 2]]) -> Self {
+    pub(crate) fn new(places: &[[usize; 2]]) -> Self {
         SampledSpectra {
             places: places.to_vec(),
             spectra: places.iter().map(|_| Mutex::new(Vec::new())).collect(),
@@ -158,17 +158,17 @@ impl SampledSpectra {
     }
 
     /// Column and row of each place.
-    pub fn places(&self) -> &[[usize; 2]] {
+    pub(crate) fn places(&self) -> &[[usize; 2]] {
         &self.places
     }
 
     /// Fills in the radiance of place `i`, band by band.
-    pub fn fill(&self, i: usize, spectrum: Vec<f64>) {
+    pub(crate) fn fill(&self, i: usize, spectrum: Vec<f64>) {
         hold(&self.spectra[i], spectrum);
     }
 
     /// Radiance of place `i`, band by band; empty where the frame had no data.
-    pub fn spectrum(&self, i: usize) -> Vec<f64> {
+    pub(crate) fn spectrum(&self, i: usize) -> Vec<f64> {
         self.spectra[i]
             .lock()
             .map_or_else(|poisoned| poisoned.into_inner().clone(), |spectrum| spectrum.clone())

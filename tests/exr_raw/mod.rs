@@ -6,18 +6,18 @@
 use exr_blocks::header::{Attribute, Headers, MULTIPART};
 
 /// A channel: name, 1 for half or 2 for float, sampling.
-pub type Channel<'a> = (&'a str, i32, [i32; 2]);
+pub(crate) type Channel<'a> = (&'a str, i32, [i32; 2]);
 
-pub fn ints(values: &[i32]) -> Vec<u8> {
+pub(crate) fn ints(values: &[i32]) -> Vec<u8> {
     values.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
-pub fn floats(values: &[f32]) -> Vec<u8> {
+pub(crate) fn floats(values: &[f32]) -> Vec<u8> {
     values.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
 /// The attributes that every part has. `window` is left, top, right, bottom.
-pub fn part(channels: &[Channel], compression: u8, window: [i32; 4]) -> Vec<Attribute> {
+pub(crate) fn part(channels: &[Channel], compression: u8, window: [i32; 4]) -> Vec<Attribute> {
     let mut sorted = channels.to_vec();
     sorted.sort();
     let channel = |(name, kind, sampling): &Channel| {
@@ -37,12 +37,12 @@ pub fn part(channels: &[Channel], compression: u8, window: [i32; 4]) -> Vec<Attr
 }
 
 /// A chunk of scan lines from row `y` on.
-pub fn chunk(y: i32, bytes: &[u8]) -> Vec<u8> {
+pub(crate) fn chunk(y: i32, bytes: &[u8]) -> Vec<u8> {
     [ints(&[y, bytes.len() as i32]), bytes.to_vec()].concat()
 }
 
 /// A file of parts with their chunks; in a file of several, each gets its part's number.
-pub fn file(flags: u32, parts: Vec<(Vec<Attribute>, Vec<Vec<u8>>)>) -> Vec<u8> {
+pub(crate) fn file(flags: u32, parts: Vec<(Vec<Attribute>, Vec<Vec<u8>>)>) -> Vec<u8> {
     let flags = if parts.len() > 1 { flags | MULTIPART } else { flags };
     let (parts, chunks): (Vec<_>, Vec<_>) = parts.into_iter().unzip();
     let mut bytes = Vec::new();
@@ -61,7 +61,7 @@ pub fn file(flags: u32, parts: Vec<(Vec<Attribute>, Vec<Vec<u8>>)>) -> Vec<u8> {
 }
 
 /// An uncompressed file of float channels, each of one value, 4 x 3 pixels, with more attributes.
-pub fn constant(channels: &[(&str, f32)], more: Vec<Attribute>) -> Vec<u8> {
+pub(crate) fn constant(channels: &[(&str, f32)], more: Vec<Attribute>) -> Vec<u8> {
     let mut sorted = channels.to_vec();
     sorted.sort_by_key(|channel| channel.0);
     let list: Vec<Channel> = sorted.iter().map(|(name, _)| (*name, 2, [1, 1])).collect();
@@ -71,7 +71,7 @@ pub fn constant(channels: &[(&str, f32)], more: Vec<Attribute>) -> Vec<u8> {
 }
 
 /// A picture of one colour with luminance from 1 to 2 in Y, and RY and BY of every second pixel.
-pub fn luminance_and_chroma(compression: u8, lines: i32, window: [i32; 4]) -> Vec<u8> {
+pub(crate) fn luminance_and_chroma(compression: u8, lines: i32, window: [i32; 4]) -> Vec<u8> {
     let [left, top, right, bottom] = window;
     let channels = [("BY", 2, [2, 2]), ("RY", 2, [2, 2]), ("Y", 2, [1, 1])];
     let width = (right - left + 1) as usize;

@@ -10,13 +10,13 @@ pub(crate) struct Word {
 }
 
 impl Word {
-    pub fn new(bits: u64, length: u32) -> Word {
+    pub(crate) fn new(bits: u64, length: u32) -> Word {
         Word { bits, length }
     }
 
     /// This word and another behind it.
     #[inline(always)]
-    pub fn then(self, next: Word) -> Word {
+    pub(crate) fn then(self, next: Word) -> Word {
         Word { bits: self.bits | next.bits << self.length, length: self.length + next.length }
     }
 }

@@ -9,7 +9,7 @@
 //! A tile whose bound stays below a quarter of the budget is left untouched and its pixels are
 //! returned as they came. The first frame that could pass that bound is tracked from p = 1, for
 //! good: what was left out before only shrinks, because every law contracts (relative to p it can
-//! grow, under self-screening, by [`Kinetics::growth`]). Where a frame lasts so long that nothing of
+//! grow, under self-screening, by `Kinetics::growth`). Where a frame lasts so long that nothing of
 //! the state before it remains, its steady state is taken. An eighth of the budget each goes to that
 //! and to the sub-steps of the nonlinear laws; the rest is for the levels of p and of the
 //! Stiles-Crawford weight. The bounds run along with the frames: a file is read once.
@@ -28,10 +28,10 @@ use crate::vision::Vision;
 
 use ledger::Ledger;
 use rule::Rule;
-pub use terms::{Term, least_budget};
+pub(crate) use terms::least_budget;
 
 /// The budget where none is asked for: the largest error of p and of a catch.
-pub const BUDGET: f64 = 1e-3;
+pub(crate) const BUDGET: f64 = 1e-3;
 
 /// Share of the budget for the bleaching of places that are left untouched.
 const UNTOUCHED: f64 = 0.25;
@@ -92,7 +92,7 @@ impl PlanStats {
 
 impl Plan {
     /// A plan that keeps a budget, or one that does everywhere what is asked for.
-    pub fn new(budget: Option<f64>) -> Self {
+    pub(crate) fn new(budget: Option<f64>) -> Self {
         Plan {
             budget,
             ledger: Ledger::default(),

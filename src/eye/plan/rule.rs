@@ -2,7 +2,7 @@
 
 /// What a plan allows over one step.
 #[derive(Clone, Copy, Debug)]
-pub struct Rule {
+pub(crate) struct Rule {
     pub(super) per_half_bleach: [f64; 3],
     pub(super) share: [f64; 3],
     pub(super) allowed: f64,
@@ -11,7 +11,7 @@ pub struct Rule {
 impl Rule {
     /// What may have bleached unseen after a step whose light is at most `greatest`, td; infinity
     /// once that is too much to be left out.
-    pub fn after(&self, bound: f64, greatest: [f32; 3]) -> f64 {
+    pub(crate) fn after(&self, bound: f64, greatest: [f32; 3]) -> f64 {
         if bound.is_infinite() {
             return bound;
         }

@@ -14,7 +14,7 @@ const SINGLE_BOUND: f64 = 1e-5;
 
 /// The least budget that can be kept for light as a vision receives it, whatever is modelled:
 /// levels and single precision take as much.
-pub fn least_budget(vision: &Vision) -> f64 {
+pub(crate) fn least_budget(vision: &Vision) -> f64 {
     vision.levels_bound() + directional::LEVEL_BOUND + SINGLE_BOUND
 }
 
@@ -24,7 +24,7 @@ pub struct Term {
     pub what: &'static str,
     /// The most that it costs of p, or of a catch relative to what the light's parts catch; not
     /// taken, what it would cost. `None`: unknown.
-    pub bound: Option<f64>,
+    pub(crate) bound: Option<f64>,
     pub chosen: bool,
     pub why: String,
 }
@@ -32,7 +32,7 @@ pub struct Term {
 impl Plan {
     /// The terms for the report. `bound_total`: the sum of those that were chosen; `null`: nothing
     /// is promised, because a model or a method was asked for by name.
-    pub fn report(&self, asked: Model, pigments: &[Kinetics; 3]) -> Value {
+    pub(crate) fn report(&self, asked: Model, pigments: &[Kinetics; 3]) -> Value {
         let term = |term: &Term| {
             json!({
                 "what": term.what,

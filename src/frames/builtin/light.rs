@@ -12,13 +12,13 @@ pub(super) const LIGHTS: usize = 4;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Mixture {
     /// Straight from the disc.
-    pub sun: f64,
+    pub(crate) sun: f64,
     /// Scattered by haze low over the horizon: orange.
-    pub ember: f64,
+    pub(crate) ember: f64,
     /// Scattered forward by haze: pale gold.
-    pub gold: f64,
+    pub(crate) gold: f64,
     /// Scattered by air: blue-grey.
-    pub air: f64,
+    pub(crate) air: f64,
 }
 
 impl Mixture {
@@ -43,7 +43,7 @@ impl Mixture {
 
     /// Luminance, cd/m2.
     #[cfg(test)]
-    pub fn nits(self) -> f64 {
+    pub(crate) fn nits(self) -> f64 {
         self.as_array().iter().sum()
     }
 }

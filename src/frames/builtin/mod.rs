@@ -24,14 +24,14 @@ pub(crate) const FIELD_DEG: f64 = 8.0;
 /// cd/m2.
 const USUAL_SUN: f64 = 6.2e5;
 
-pub use sun::radiance as sun_radiance;
+pub(crate) use sun::radiance as sun_radiance;
 
 /// Samples of the disc's edge along each side of a pixel.
 const SIDE: usize = 8;
 
 /// A sun at `elevation_deg` in the middle of a picture that is 8 degrees across.
 #[derive(Clone, Debug)]
-pub struct Sunset {
+pub(crate) struct Sunset {
     elevation_deg: f64,
     header: Header,
     waves: Waves,
@@ -43,7 +43,7 @@ pub struct Sunset {
 
 impl Sunset {
     /// The scene at a width in pixels; the height is nine sixteenths of it.
-    pub fn new(width: usize, elevation_deg: f64, turbidity: f64) -> Self {
+    pub(crate) fn new(width: usize, elevation_deg: f64, turbidity: f64) -> Self {
         let bands = bands();
         let disc: Vec<f64> = bands
             .as_slice()

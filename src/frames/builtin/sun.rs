@@ -36,7 +36,7 @@ const OZONE: [(f64, f64); 11] = [
 ];
 
 /// Mean spectral radiance of the sun's disc at an elevation, W m^-2 sr^-1 nm^-1.
-pub fn radiance(nm: f64, elevation_deg: f64, turbidity: f64) -> f64 {
+pub(crate) fn radiance(nm: f64, elevation_deg: f64, turbidity: f64) -> f64 {
     SOLAR.interpolated("irradiance", nm) / SOLID_ANGLE * transmittance(nm, elevation_deg, turbidity)
 }
 

@@ -10,7 +10,7 @@ pub(super) struct Bits<'a> {
 impl Bits<'_> {
     /// The next 57 bits or more, from the top.
     #[inline(always)]
-    pub fn ahead(&self) -> u64 {
+    pub(crate) fn ahead(&self) -> u64 {
         let bytes = self.bytes.get(self.at >> 3..).unwrap_or(&[]);
         let eight = bytes
             .first_chunk()
@@ -20,12 +20,12 @@ impl Bits<'_> {
 
     /// The next 64 bits.
     #[inline(always)]
-    pub fn all_ahead(&self) -> u64 {
+    pub(crate) fn all_ahead(&self) -> u64 {
         let ninth = self.bytes.get((self.at >> 3) + 8).copied().unwrap_or(0);
         self.ahead() | u64::from(ninth) >> (8 - (self.at & 7))
     }
 
-    pub fn take(&mut self, count: usize) -> u64 {
+    pub(crate) fn take(&mut self, count: usize) -> u64 {
         let bits = self.ahead() >> (64 - count);
         self.at += count;
         bits

@@ -57,7 +57,7 @@ pub(super) struct Code {
 impl Code {
     /// The code of the symbols from `first` on with code words of these lengths. They must fill all
     /// bits, as Huffman's do.
-    pub fn new(first: usize, lengths: &[u8]) -> Result<Code, Damaged> {
+    pub(crate) fn new(first: usize, lengths: &[u8]) -> Result<Code, Damaged> {
         let mut counts = [0usize; LONGEST + 1];
         lengths.iter().for_each(|&length| counts[usize::from(length)] += 1);
         counts[0] = 0;
@@ -110,7 +110,7 @@ impl Code {
 
     /// The symbol whose code word stands at the top of `ahead`; `at` moves behind it.
     #[inline(always)]
-    pub fn symbol(&self, ahead: u64, at: &mut usize) -> u32 {
+    pub(crate) fn symbol(&self, ahead: u64, at: &mut usize) -> u32 {
         let entry = self.table[(ahead >> (64 - LOOKED_UP)) as usize];
         let mut length = (entry & 63) as usize;
         while length < LONGEST && ahead < self.lowest[length] {

@@ -15,7 +15,7 @@ pub(super) struct Lookup {
 
 impl Lookup {
     /// Reads the bitmap; what follows it is returned too.
-    pub fn read(bytes: &[u8]) -> Result<(Lookup, &[u8]), Damaged> {
+    pub(crate) fn read(bytes: &[u8]) -> Result<(Lookup, &[u8]), Damaged> {
         let (ends, bytes) =
             bytes.split_first_chunk::<4>().ok_or(Damaged("a block without a table of values"))?;
         let first = usize::from(u16::from_le_bytes([ends[0], ends[1]]));
@@ -45,7 +45,7 @@ impl Lookup {
     }
 
     /// Writes the values of ranks, little-endian.
-    pub fn values(&self, ranks: &[u16], out: &mut [u8]) {
+    pub(crate) fn values(&self, ranks: &[u16], out: &mut [u8]) {
         for (&rank, out) in ranks.iter().zip(out.as_chunks_mut().0) {
             *out = self.values[usize::from(rank)].to_le_bytes();
         }

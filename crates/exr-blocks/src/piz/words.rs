@@ -20,7 +20,7 @@ pub(super) struct Words<'a> {
 
 impl<'a> Words<'a> {
     /// Reads the code: sizes, the lengths of code words, then the words.
-    pub fn open(bytes: &'a [u8]) -> Result<Words<'a>, Damaged> {
+    pub(crate) fn open(bytes: &'a [u8]) -> Result<Words<'a>, Damaged> {
         let head = bytes.as_chunks().0.first_chunk().ok_or(Damaged("a block without words"))?;
         let [length, first, last, _, end, _] = head.map(|bytes| u32::from_le_bytes(bytes) as usize);
         let body = bytes[4..]
@@ -45,7 +45,7 @@ impl<'a> Words<'a> {
     }
 
     /// Decodes as many words as `out` holds.
-    pub fn fill(&mut self, out: &mut [u16]) -> Result<(), Damaged> {
+    pub(crate) fn fill(&mut self, out: &mut [u16]) -> Result<(), Damaged> {
         let mut filled = self.repeat(out);
         while filled < out.len() {
             filled += self.short_ones(&mut out[filled..]);
@@ -111,7 +111,7 @@ impl<'a> Words<'a> {
     }
 
     /// Checks that nothing is left.
-    pub fn end(self) -> Result<(), Damaged> {
+    pub(crate) fn end(self) -> Result<(), Damaged> {
         if self.bits.at == self.end && self.due == 0 {
             Ok(())
         } else {
