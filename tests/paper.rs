@@ -7,7 +7,6 @@ use std::path::Path;
 
 use sungaze::colour::Primaries;
 use sungaze::config::Config;
-use sungaze::config::settings::{DirectionalKey, PupilKey, Steep, SteepWord};
 use sungaze::frames::{About, Compression, write_exr};
 use sungaze::light::{Planes, Samples};
 use sungaze::observer::{
@@ -219,9 +218,9 @@ fn preset_paper_is_the_observer_of_the_paper_until_a_key_says_otherwise() {
     };
     let paper = parse("observer.preset = \"paper\"").settings.observer;
     assert_eq!(paper.fundamentals, Set::Smj1993);
-    assert_eq!(paper.pupil, PupilKey::MoonSpencerAsPrinted);
-    assert_eq!(paper.stiles_crawford, DirectionalKey::Paper);
-    assert_eq!(paper.stiles_crawford_p, Steep::Word(SteepWord::LensCorrected));
+    assert_eq!(paper.pupil, Rule::MoonSpencerAsPrinted);
+    assert!(matches!(paper.stiles_crawford, Reading::Paper { .. }));
+    assert_eq!(paper.stiles_crawford_p, Steepness::LensCorrected);
     assert_eq!((paper.half_bleach_log_td, paper.tau_s), ([3.89; 3], [120.0; 3]));
     assert_eq!(paper.narrowing, Narrowing::Narrowed);
     let other = parse(

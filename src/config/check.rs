@@ -4,10 +4,10 @@ use std::collections::HashSet;
 
 use super::Wrong;
 use super::settings::{
-    Aim, Channels, DisplayFile, Input, ObserverKeys, PupilKey, Scene, Settings, Steep, SurroundKey,
-    Times, UnitKey,
+    Aim, Channels, DisplayFile, Input, ObserverKeys, Scene, Settings, Times, UnitKey,
 };
-use crate::observer::{Set, lens};
+use crate::eye::Surround;
+use crate::observer::{Rule, Set, Steepness, lens};
 
 type Check = Result<(), Wrong>;
 
@@ -17,8 +17,8 @@ pub(super) fn check(s: &Settings) -> Check {
     time(s)?;
     observer(s)?;
     within("gaze.fovea_deg", s.gaze.fovea_deg, f64::MIN_POSITIVE, 180.0)?;
-    if let SurroundKey::Luminance(nits) = s.gaze.surround_cd_m2 {
-        within("gaze.surround_cd_m2", nits, 0.0, 1e12)?;
+    if let Surround::Uniform(nits) = s.gaze.surround_cd_m2 {
+        within("gaze.surround_cd_m2", nits.0, 0.0, 1e12)?;
     }
     if let Aim::At(at) = s.gaze.at {
         point("gaze.at", at)?;
@@ -236,13 +236,13 @@ fn observer(s: &Settings) -> Check {
         return wrong("observer.eyes", o.eyes, "1, 2");
     }
     match (o.pupil, o.pupil_mm) {
-        (PupilKey::Fixed, None) => {
+        (Rule::Fixed(_), None) => {
             return Err((
                 "observer.pupil_mm".into(),
                 "is required with observer.pupil = \"fixed\"".into(),
             ));
         }
-        (PupilKey::Fixed, mm) => optional("observer.pupil_mm", mm, 0.1, 8.0)?,
+        (Rule::Fixed(_), mm) => optional("observer.pupil_mm", mm, 0.1, 8.0)?,
         (_, Some(_)) => {
             return Err((
                 "observer.pupil_mm".into(),
@@ -256,7 +256,7 @@ fn observer(s: &Settings) -> Check {
     within("observer.pupil_delay_s", o.pupil_delay_s, 0.0, 60.0)?;
     within("observer.pupil_closing_s", o.pupil_closing_s, 0.0, 60.0)?;
     within("observer.pupil_opening_s", o.pupil_opening_s, 0.0, 60.0)?;
-    if let Steep::Constant(p) = o.stiles_crawford_p {
+    if let Steepness::Constant(p) = o.stiles_crawford_p {
         within("observer.stiles_crawford_p", p, 0.0, 1.0)?;
     }
     within("observer.mm_per_degree", o.mm_per_degree, 0.0, 10.0)?;

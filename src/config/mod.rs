@@ -5,6 +5,7 @@
 
 mod check;
 mod field;
+mod named;
 mod resolve;
 pub mod settings;
 mod source;

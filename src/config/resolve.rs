@@ -1,14 +1,13 @@
 //! Settings -> the things they name.
 
-use crate::colour::Primaries;
 use crate::display::{Display, Tone};
 use crate::error::{Error, Result};
 use crate::eye::pigment::Model;
-use crate::eye::{Surround, plan};
+use crate::eye::plan;
 use crate::frames::builtin::Sunset;
-use crate::frames::{ChannelNames, Compression, Matrix, Overscan, ReadOptions, Sequence};
+use crate::frames::{ChannelNames, Compression, ReadOptions, Sequence, Transfer};
 use crate::kinetics::{Kinetics, Law};
-use crate::observer::{Directional, Dynamics, Field, Observer, Reading, Rule, Set, Steepness};
+use crate::observer::{Directional, Dynamics, Field, Observer, Reading, Rule, Set};
 use crate::optics::Scatter;
 use crate::step::Method;
 use crate::units::{Degrees, Millimetres, Nits, Seconds, Trolands};
@@ -44,28 +43,19 @@ impl Config {
         let o = &self.settings.observer;
         let reading = match o.stiles_crawford {
             _ if self.is_at_the_retina() => Reading::Off,
-            DirectionalKey::Pupil => Reading::Pupil,
-            DirectionalKey::Paper => Reading::Paper { mm_per_degree: o.mm_per_degree },
-            DirectionalKey::Off => Reading::Off,
+            Reading::Paper { .. } => Reading::Paper { mm_per_degree: o.mm_per_degree },
+            reading => reading,
         };
-        let steepness = match o.stiles_crawford_p {
-            Steep::Word(SteepWord::Measured) => Steepness::Measured,
-            Steep::Word(SteepWord::LensCorrected) => Steepness::LensCorrected,
-            Steep::Constant(p) => Steepness::Constant(p),
-        };
-        Directional::new(reading, steepness)
+        Directional::new(reading, o.stiles_crawford_p)
     }
 
     fn pupil(&self) -> Rule {
         let o = &self.settings.observer;
         match o.pupil {
             _ if self.is_at_the_retina() => Rule::Fixed(field::UNIT_PUPIL),
-            PupilKey::WatsonYellott => Rule::WatsonYellott { age: o.age, eyes: o.eyes },
-            PupilKey::MoonSpencer => Rule::MoonSpencer,
-            PupilKey::MoonSpencerAsPrinted => Rule::MoonSpencerAsPrinted,
-            PupilKey::DeGrootGebhard => Rule::DeGrootGebhard,
-            PupilKey::DeGrootGebhardAsPrinted => Rule::DeGrootGebhardAsPrinted,
-            PupilKey::Fixed => Rule::Fixed(Millimetres(o.pupil_mm.unwrap_or_default())),
+            Rule::WatsonYellott { .. } => Rule::WatsonYellott { age: o.age, eyes: o.eyes },
+            Rule::Fixed(_) => Rule::Fixed(Millimetres(o.pupil_mm.unwrap_or_default())),
+            formula => formula,
         }
     }
 
@@ -74,9 +64,9 @@ impl Config {
         let o = &self.settings.observer;
         [0, 1, 2].map(|k| Kinetics {
             law: match o.kinetics {
-                LawKey::FirstOrder => Law::FirstOrder,
-                LawKey::SelfScreened => Law::self_screened(self.density()[k]),
-                LawKey::RateLimited => Law::RateLimited { km: o.km },
+                Law::FirstOrder => Law::FirstOrder,
+                Law::SelfScreened { .. } => Law::self_screened(self.density()[k]),
+                Law::RateLimited { .. } => Law::RateLimited { km: o.km },
             },
             half_bleach: Trolands(10f64.powf(o.half_bleach_log_td[k])),
             tau: Seconds(o.tau_s[k]),
@@ -110,8 +100,8 @@ impl Config {
         Display {
             white: Nits(d.white_cd_m2),
             tone: match d.tone {
-                ToneKey::Ward => Tone::Ward(d.ceiling),
-                ToneKey::Exposure => Tone::Exposure { ev: d.exposure_ev },
+                Tone::Ward(_) => Tone::Ward(d.ceiling),
+                Tone::Exposure { .. } => Tone::Exposure { ev: d.exposure_ev },
             },
             smoothing: Seconds(d.smoothing_s),
             highlights: d.highlights,
@@ -127,19 +117,19 @@ impl Config {
             scale: input.scale,
             quantity: input.quantity,
             channels: self.channel_names()?,
-            overscan: match self.settings.output.keep {
-                KeepKey::All => Overscan::OfFirst,
-                KeepKey::None => Overscan::None,
-            },
+            overscan: self.settings.output.keep,
             non_finite: input.non_finite,
             negative: input.negative,
             max_pixels: input.max_pixels,
             own_white: input.white_cd_m2.is_none(),
-            primaries: primaries(input.primaries),
-            transfer: input.transfer.transfer(input.peak_cd_m2),
+            primaries: input.primaries,
+            transfer: input.transfer.map(|curve| match curve {
+                Transfer::Hlg(_) => Transfer::Hlg(input.peak_cd_m2),
+                curve => curve,
+            }),
             peak_cd_m2: input.peak_cd_m2,
-            matrix: matrix(input.matrix),
-            full_range: full_range(input.code_range),
+            matrix: input.matrix,
+            full_range: input.code_range,
         })
     }
 
@@ -216,14 +206,6 @@ impl Config {
         Sunset::new(input.width.unwrap_or(480) as usize, elevation, turbidity)
     }
 
-    /// What lies beyond the picture.
-    pub(crate) fn surround(&self) -> Surround {
-        match self.settings.gaze.surround_cd_m2 {
-            SurroundKey::Word(SurroundWord::Edge) => Surround::Edge,
-            SurroundKey::Luminance(nits) => Surround::Uniform(Nits(nits)),
-        }
-    }
-
     /// How pigment is to follow light.
     pub fn model(&self) -> Result<Model> {
         let n = &self.settings.numerics;
@@ -243,39 +225,5 @@ impl Config {
     pub(crate) fn budget(&self) -> Option<f64> {
         let n = &self.settings.numerics;
         (n.model == ModelKey::Auto).then_some(n.budget)
-    }
-}
-
-/// The primaries of `input.primaries`; nothing for the file's own.
-fn primaries(key: PrimariesKey) -> Option<Primaries> {
-    match key {
-        PrimariesKey::Auto => None,
-        PrimariesKey::Bt709 => Some(Primaries::REC709),
-        PrimariesKey::Bt601Of525 => Some(Primaries::BT601_525),
-        PrimariesKey::Bt601Of625 => Some(Primaries::BT601_625),
-        PrimariesKey::Bt2020 => Some(Primaries::BT2020),
-        PrimariesKey::P3D65 => Some(Primaries::P3_D65),
-        PrimariesKey::P3Dci => Some(Primaries::P3_DCI),
-        PrimariesKey::Acescg => Some(Primaries::ACESCG),
-        PrimariesKey::Aces => Some(Primaries::ACES),
-    }
-}
-
-/// The matrix of `input.matrix`; nothing for the film's own.
-fn matrix(key: MatrixKey) -> Option<Matrix> {
-    match key {
-        MatrixKey::Auto => None,
-        MatrixKey::Bt601 => Some(Matrix::BT601),
-        MatrixKey::Bt709 => Some(Matrix::BT709),
-        MatrixKey::Bt2020Ncl => Some(Matrix::BT2020),
-    }
-}
-
-/// Whether codes have full range, by `input.code_range`; nothing for the film's own word.
-fn full_range(key: CodeRangeKey) -> Option<bool> {
-    match key {
-        CodeRangeKey::Auto => None,
-        CodeRangeKey::Limited => Some(false),
-        CodeRangeKey::Full => Some(true),
     }
 }

@@ -3,15 +3,20 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::display::Ceiling;
+use crate::colour::Primaries;
+use crate::display::{Ceiling, Tone};
+use crate::eye::Surround;
 use crate::frames::uniform;
 use crate::frames::{
-    Missing, Negative, NonFinite, Quantity, ReadOptions, TransferKey, ViewProjection, Wanted,
+    Matrix, Missing, Negative, NonFinite, Overscan, Quantity, ReadOptions, Transfer,
+    ViewProjection, Wanted,
 };
+use crate::kinetics::Law;
 use crate::observer::lens::TABULATED_AGE;
-use crate::observer::{Field, Narrowing, Set};
+use crate::observer::{Field, Narrowing, Reading, Rule, Set, Steepness};
 use crate::optics::{Draw, Psf, Scatter};
 
+use super::named;
 pub use super::words::*;
 
 pub(crate) use super::sweep::SweepKeys;
@@ -103,12 +108,16 @@ pub struct Input {
     /// The file's, or else angular.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub projection: Option<ViewProjection>,
-    pub(crate) primaries: PrimariesKey,
-    pub(crate) transfer: TransferKey,
+    #[serde(with = "named")]
+    pub(crate) primaries: Option<Primaries>,
+    #[serde(with = "named")]
+    pub(crate) transfer: Option<Transfer>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) peak_cd_m2: Option<f64>,
-    pub(crate) matrix: MatrixKey,
-    pub(crate) code_range: CodeRangeKey,
+    #[serde(with = "named")]
+    pub(crate) matrix: Option<Matrix>,
+    #[serde(with = "named")]
+    pub(crate) code_range: Option<bool>,
     pub(crate) missing: Missing,
     pub(crate) non_finite: NonFinite,
     pub(crate) negative: Negative,
@@ -142,11 +151,11 @@ impl Default for Input {
             bands_nm: None,
             horizontal_fov_deg: None,
             projection: None,
-            primaries: PrimariesKey::Auto,
-            transfer: TransferKey::Auto,
-            peak_cd_m2: None,
-            matrix: MatrixKey::Auto,
-            code_range: CodeRangeKey::Auto,
+            primaries: read.primaries,
+            transfer: read.transfer,
+            peak_cd_m2: read.peak_cd_m2,
+            matrix: read.matrix,
+            code_range: read.full_range,
             missing: Missing::default(),
             non_finite: read.non_finite,
             negative: read.negative,
@@ -243,24 +252,19 @@ pub(crate) struct Time {
 
 /// `time.times_s`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged, expecting = "a list of seconds, or \"gaze.path\"")]
+#[serde(expecting = "a list of seconds, or \"gaze.path\"")]
 pub(crate) enum Times {
-    Listed(Vec<f64>),
     /// A frame ends at each row of the gaze path and holds that row's gaze.
-    Of(GazePath),
-}
-
-/// The word `gaze.path`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum GazePath {
     #[serde(rename = "gaze.path")]
     GazePath,
+    #[serde(untagged)]
+    Listed(Vec<f64>),
 }
 
 impl Time {
     /// Whether frames end at the rows of the gaze path.
     pub(crate) fn follows_the_gaze(&self) -> bool {
-        matches!(self.times_s, Some(Times::Of(_)))
+        matches!(self.times_s, Some(Times::GazePath))
     }
 
     /// The listed times of frames.
@@ -280,44 +284,28 @@ pub struct Gaze {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub path: Option<String>,
     pub(crate) fovea_deg: f64,
-    pub(crate) surround_cd_m2: SurroundKey,
-}
-
-/// `gaze.surround_cd_m2`: `"edge"` or a number.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged, expecting = "\"edge\" or a luminance in cd/m2")]
-pub(crate) enum SurroundKey {
-    Word(SurroundWord),
-    Luminance(f64),
-}
-
-/// The word that `gaze.surround_cd_m2` takes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum SurroundWord {
-    Edge,
+    pub(crate) surround_cd_m2: Surround,
 }
 
 impl Default for Gaze {
     fn default() -> Self {
-        Gaze {
-            at: Aim::At([0.5, 0.5]),
-            path: None,
-            fovea_deg: 2.0,
-            surround_cd_m2: SurroundKey::Word(SurroundWord::Edge),
-        }
+        Gaze { at: Aim::At([0.5, 0.5]), path: None, fovea_deg: 2.0, surround_cd_m2: Surround::Edge }
     }
 }
 
 /// Where the eye looks: a fraction of width and height from the top left, or what it seeks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(
-    untagged,
+    rename_all = "kebab-case",
     expecting = "[x, y] as fractions of the picture, \"brightest\" or \"brightest-each\""
 )]
 pub enum Aim {
+    /// The brightest place of the first frame.
+    Brightest,
+    /// That of each frame.
+    BrightestEach,
+    #[serde(untagged)]
     At([f64; 2]),
-    Seek(Seek),
 }
 
 /// `[optics]`: what the eye scatters.
@@ -346,7 +334,8 @@ pub struct ObserverKeys {
     pub(crate) preset: Preset,
     pub(crate) field_deg: u32,
     pub fundamentals: Set,
-    pub pupil: PupilKey,
+    #[serde(with = "named")]
+    pub pupil: Rule,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) pupil_mm: Option<f64>,
     pub(crate) age: f64,
@@ -355,11 +344,13 @@ pub struct ObserverKeys {
     pub(crate) pupil_delay_s: f64,
     pub(crate) pupil_closing_s: f64,
     pub(crate) pupil_opening_s: f64,
-    pub stiles_crawford: DirectionalKey,
-    pub stiles_crawford_p: Steep,
+    #[serde(with = "named")]
+    pub stiles_crawford: Reading,
+    pub stiles_crawford_p: Steepness,
     pub(crate) mm_per_degree: f64,
     pub(crate) constants: String,
-    pub(crate) kinetics: LawKey,
+    #[serde(with = "named")]
+    pub(crate) kinetics: Law,
     pub half_bleach_log_td: [f64; 3],
     pub tau_s: [f64; 3],
     pub(crate) km: f64,
@@ -376,7 +367,7 @@ impl Default for ObserverKeys {
             preset: Preset::Standard,
             field_deg: 2,
             fundamentals: Set::Cie2006,
-            pupil: PupilKey::WatsonYellott,
+            pupil: named::first(),
             pupil_mm: None,
             age: TABULATED_AGE,
             pigmentation: Scatter::default().pigmentation,
@@ -384,11 +375,11 @@ impl Default for ObserverKeys {
             pupil_delay_s: 0.0,
             pupil_closing_s: 0.0,
             pupil_opening_s: 0.0,
-            stiles_crawford: DirectionalKey::Pupil,
-            stiles_crawford_p: Steep::Word(SteepWord::Measured),
+            stiles_crawford: named::first(),
+            stiles_crawford_p: Steepness::Measured,
             mm_per_degree: 0.29,
             constants: "standard".into(),
-            kinetics: LawKey::FirstOrder,
+            kinetics: named::first(),
             half_bleach_log_td: [4.3, 4.3, 5.0],
             tau_s: [120.0; 3],
             km: 0.2,
@@ -397,14 +388,6 @@ impl Default for ObserverKeys {
             start: "rested".into(),
         }
     }
-}
-
-/// `observer.stiles_crawford_p`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged, expecting = "\"measured\", \"lens-corrected\" or a number in mm^-2")]
-pub enum Steep {
-    Word(SteepWord),
-    Constant(f64),
 }
 
 /// `[numerics]`.
@@ -434,7 +417,8 @@ impl Default for Numerics {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub(crate) struct DisplayKeys {
-    pub(crate) tone: ToneKey,
+    #[serde(with = "named")]
+    pub(crate) tone: Tone,
     pub(crate) ceiling: Ceiling,
     pub(crate) exposure_ev: f64,
     pub(crate) white_cd_m2: f64,
@@ -451,7 +435,7 @@ fn infinity_as_word<S: serde::Serializer>(value: &f64, out: S) -> Result<S::Ok, 
 impl Default for DisplayKeys {
     fn default() -> Self {
         DisplayKeys {
-            tone: ToneKey::Ward,
+            tone: named::first(),
             ceiling: Ceiling::default(),
             exposure_ev: 0.0,
             white_cd_m2: 100.0,
@@ -466,7 +450,8 @@ impl Default for DisplayKeys {
 #[serde(default, deny_unknown_fields)]
 pub(crate) struct Output {
     pub(crate) seen: SeenKey,
-    pub(crate) keep: KeepKey,
+    #[serde(with = "named")]
+    pub(crate) keep: Overscan,
     pub(crate) display: DisplayFile,
     pub(crate) state: StateKey,
     pub(crate) video: String,
@@ -486,7 +471,7 @@ impl Default for Output {
     fn default() -> Self {
         Output {
             seen: SeenKey::Exr,
-            keep: KeepKey::All,
+            keep: named::first(),
             display: DisplayFile::Png,
             state: StateKey::Last,
             video: "none".into(),

@@ -83,11 +83,23 @@ impl Light {
 /// What lies beyond the picture, for the pupil and for the retina under a moving gaze: an
 /// equal-energy light.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase", expecting = "\"edge\" or a luminance in cd/m2")]
 pub enum Surround {
     /// The mean luminance of the first frame's outermost pixels.
     Edge,
     /// A luminance; 0 is a dark room.
+    #[serde(untagged)]
     Uniform(Nits),
+}
+
+impl Surround {
+    /// The luminance, where it is known before the first frame.
+    fn known(self) -> Option<Nits> {
+        match self {
+            Surround::Edge => None,
+            Surround::Uniform(nits) => Some(nits),
+        }
+    }
 }
 
 /// Where an eye looks: fractions of the picture's width and height, from the top left.

@@ -4,17 +4,14 @@ use super::beyond::Around;
 use super::check::{Check, CheckFrame};
 use super::field::Field;
 use super::scattered::OpticsStage;
-use super::{Eye, Look, Stimulus, Surround};
+use super::{Eye, Look, Stimulus};
 use crate::light::Planes;
 use crate::units::{Millimetres, Nits};
 
 impl Eye {
     /// Luminance of what lies beyond the picture; none before the first look tells.
     pub(super) fn surround_luminance(&self) -> Nits {
-        match self.surround {
-            Surround::Edge => Nits(0.0),
-            Surround::Uniform(nits) => nits,
-        }
+        self.surround.known().unwrap_or_default()
     }
 
     /// Cone illuminance of the light around the picture, an equal-energy spectrum, td.

@@ -44,11 +44,7 @@ impl OpticsStage {
 
     /// The same in a world that is known.
     pub(super) fn within(self, surround: Surround) -> OpticsStage {
-        let beyond = match surround {
-            Surround::Edge => None,
-            Surround::Uniform(nits) => Some(nits),
-        };
-        OpticsStage { beyond, ..self }
+        OpticsStage { beyond: surround.known(), ..self }
     }
 
     /// Where the cells beyond the picture lie.

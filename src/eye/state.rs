@@ -8,6 +8,7 @@ use super::retina::Retina;
 use super::{Eye, Surround};
 use crate::error::{Error, Result};
 use crate::observer::Pupil;
+use crate::units::Nits;
 
 /// What an eye carries from look to look.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -18,7 +19,8 @@ pub struct State {
     plan: Plan,
     check: Option<Check>,
     first_gaze: Option<[f64; 2]>,
-    surround: Surround,
+    /// None before the first look tells.
+    surround: Option<Nits>,
 }
 
 impl State {
@@ -39,7 +41,7 @@ impl Eye {
             plan: self.plan.clone(),
             check: self.check.clone(),
             first_gaze: self.first_gaze,
-            surround: self.surround,
+            surround: self.surround.known(),
         }
     }
 
@@ -54,10 +56,7 @@ impl Eye {
             first >= 0 && first as usize + self.size[i] <= retina.size()[i]
         });
         let known = first_gaze.is_none_or(|at| at.iter().all(|v| v.is_finite()))
-            && match surround {
-                Surround::Edge => first_gaze.is_none(),
-                Surround::Uniform(nits) => nits.0 >= 0.0,
-            };
+            && surround.map_or(first_gaze.is_none(), |nits| nits.0 >= 0.0);
         let fits = check.as_ref().is_none_or(|check| check.is_sound(self.size));
         let cells = retina.has_cells(self.retina.extent());
         if !(size == self.size && retina.is_sound() && covers && cells && known && fits) {
@@ -71,7 +70,7 @@ impl Eye {
         self.plan = plan;
         self.check = check;
         self.first_gaze = first_gaze;
-        self.surround = surround;
+        self.surround = surround.map_or(Surround::Edge, Surround::Uniform);
         Ok(())
     }
 }

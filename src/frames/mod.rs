@@ -77,7 +77,6 @@ pub(crate) use reduced::no_wider;
 pub use sequence::{Missing, Sequence};
 pub(crate) use state::{read_state, write_state};
 pub use transfer::Transfer;
-pub(crate) use transfer::TransferKey;
 #[cfg(feature = "view")]
 pub(crate) use written::encode_png;
 pub use written::{About, Compression, write_exr, write_png};

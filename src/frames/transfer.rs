@@ -11,8 +11,6 @@
 
 use std::fmt::{Display, Formatter};
 
-use serde::{Deserialize, Serialize};
-
 use crate::colour::Primaries;
 use crate::units::Nits;
 
@@ -65,34 +63,6 @@ impl Transfer {
         let power = system_gamma(peak.unwrap_or(REFERENCE_PEAK)) as f32 - 1.0;
         let gain = if y > 0.0 { y.powf(power) } else { 0.0 };
         rgb.map(|light| light * gain)
-    }
-}
-
-/// `input.transfer`: the curve to decode by, whatever the file says.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum TransferKey {
-    /// The file's own.
-    #[default]
-    Auto,
-    Pq,
-    Hlg,
-    Bt1886,
-    Srgb,
-    Linear,
-}
-
-impl TransferKey {
-    /// The curve for a display of this peak, cd/m2; nothing for the file's own.
-    pub(crate) fn transfer(self, peak: Option<f64>) -> Option<Transfer> {
-        match self {
-            TransferKey::Auto => None,
-            TransferKey::Pq => Some(Transfer::Pq),
-            TransferKey::Hlg => Some(Transfer::Hlg(peak)),
-            TransferKey::Bt1886 => Some(Transfer::BT1886),
-            TransferKey::Srgb => Some(Transfer::Srgb),
-            TransferKey::Linear => Some(Transfer::Linear),
-        }
     }
 }
 

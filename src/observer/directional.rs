@@ -12,6 +12,8 @@
 
 use std::f64::consts::{LN_10, PI};
 
+use serde::{Deserialize, Serialize};
+
 use crate::spectrum::{Curve, STILES_CRAWFORD};
 use crate::units::Millimetres;
 
@@ -38,7 +40,11 @@ pub enum Reading {
 }
 
 /// Where p(lambda) comes from.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(
+    rename_all = "kebab-case",
+    expecting = "\"measured\", \"lens-corrected\" or a number in mm^-2"
+)]
 pub enum Steepness {
     /// Berendschot et al. 2001.
     Measured,
@@ -47,6 +53,7 @@ pub enum Steepness {
     /// Counts the lens twice with fundamentals that are measured at the cornea.
     LensCorrected,
     /// The same at every wavelength, mm^-2.
+    #[serde(untagged)]
     Constant(f64),
 }
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::config::Config;
-use crate::config::settings::{Aim, Seek};
+use crate::config::settings::Aim;
 use crate::error::{Error, Result};
 use crate::light::Window;
 
@@ -65,8 +65,8 @@ impl Gaze {
         }
         Ok(match keys.at {
             Aim::At(at) => Gaze::At(at),
-            Aim::Seek(Seek::Brightest) => Gaze::Brightest,
-            Aim::Seek(Seek::BrightestEach) => Gaze::BrightestEach,
+            Aim::Brightest => Gaze::Brightest,
+            Aim::BrightestEach => Gaze::BrightestEach,
         })
     }
 

@@ -31,11 +31,11 @@ use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use crate::config::settings::{KeepKey, SeenKey};
+use crate::config::settings::SeenKey;
 use crate::config::{Config, Settings};
 use crate::error::{Error, Result};
 use crate::eye::check::Check;
-use crate::frames;
+use crate::frames::{self, Overscan};
 use crate::light::Planes;
 use crate::page;
 use crate::plot::moment::Cones;
@@ -174,7 +174,7 @@ pub(crate) fn writer<'a>(
         seen: config.settings.output.seen == SeenKey::Exr,
         window: scene.footage.window(),
         halved: scene.footage.header().transfer.is_some(),
-        plates: (config.settings.output.keep == KeepKey::All).then_some(&*scene.footage),
+        plates: (config.settings.output.keep != Overscan::None).then_some(&*scene.footage),
         compression: config.compression()?,
         about: scene.about(&digest),
         digest,

@@ -177,7 +177,7 @@ pub(crate) fn constants(config: &Config) -> Value {
         "cones": CONES,
         "half_bleach_td": o.half_bleach_log_td.map(|log| 10f64.powf(log)),
         "tau_s": o.tau_s,
-        "kinetics": o.kinetics,
+        "kinetics": o.kinetics.name(),
         "km": o.km,
         "optical_density": o.optical_density,
         "fundamentals": match o.fundamentals {

@@ -206,7 +206,7 @@ pub fn eye_for(config: &Config, vision: Vision, size: [usize; 2], across: Degree
         .pigments(config.pigments())
         .model(config.model()?, config.budget())
         .optics(optics, config.settings.optics.draw)
-        .surround(config.surround());
+        .surround(config.settings.gaze.surround_cd_m2);
     let eye = match config.settings.observer.start.as_str() {
         "rested" => eye,
         "adapted" => eye.adapted(),
