@@ -63,7 +63,7 @@
 //! | [`display`] | tone reproduction, gamut, encoding | |
 //! | [`frames`] | files in and out, the built-in scene | a format: a file with a `FORMAT`, and two lines in `frames/mod.rs` |
 //! | `plot` | figures: axes, palette, lines and words, as SVG and PNG | |
-//! | [`config`] | TOML -> everything above | a key: a field in `config/settings.rs`, a range in `check.rs` |
+//! | [`config`] | TOML -> everything above | a key: a field in `config/settings`, a range in `check.rs` |
 //! | `page` | `report.html` and the live page: one HTML file | a panel: a script in `page/`, a line in `page` |
 //! | [`run`] | the loop: reader, eye, writer; checkpoints, report | |
 //! | [`view`] | the same loop, live: a server, a page, and a path that can be gone back along | |
