@@ -9,6 +9,7 @@
 
 mod adapting;
 mod beyond;
+mod builder;
 pub mod check;
 mod context;
 mod field;
@@ -23,25 +24,22 @@ mod scattered;
 mod stages;
 mod state;
 mod stats;
+mod stimulus;
 
 use std::sync::Arc;
 
 use ndarray::{Array3, ArrayView3};
-use serde::{Deserialize, Serialize};
 
-use crate::colour::Primaries;
 use crate::error::{Error, Result};
 use crate::kinetics::Kinetics;
 use crate::light::{Planes, Sample, Survey};
 use crate::observer::{Observer, Pupil};
-use crate::optics::{Draw, Optics};
-use crate::spectrum::Bands;
-use crate::step;
 use crate::units::{Degrees, Millimetres, Nits, Seconds};
-use crate::vision::{SampledSpectra, Vision};
+use crate::vision::Vision;
 
 pub(crate) use adapting::brightest;
 pub use adapting::survey;
+pub use builder::EyeBuilder;
 use check::Check;
 use illuminance::IlluminanceOperator;
 use percept::PerceptStage;
@@ -51,93 +49,7 @@ use retina::Retina;
 use scattered::OpticsStage;
 pub use state::State;
 pub(crate) use stats::LookStats;
-
-/// What the planes of a frame in memory are.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Light {
-    /// Linear RGB in these primaries; (1, 1, 1) of linear sRGB has the luminance `white`.
-    Rgb { primaries: Primaries, white: Nits },
-    /// Spectral radiance in bands, W m^-2 sr^-1 nm^-1, in rising order of wavelength.
-    Bands(Bands),
-}
-
-impl Light {
-    /// Linear RGB in these primaries; (1, 1, 1) of linear sRGB has the luminance `white`.
-    pub fn rgb(primaries: Primaries, white: Nits) -> Self {
-        Light::Rgb { primaries, white }
-    }
-
-    /// This light as an observer receives it.
-    ///
-    /// # Errors
-    /// The primaries span no gamut.
-    pub fn received_by(&self, observer: Observer) -> Result<Vision> {
-        match self {
-            Light::Bands(bands) => Ok(Vision::of_bands(observer, bands)),
-            Light::Rgb { primaries, white } => Vision::of_rgb(observer, primaries, *white)
-                .ok_or_else(|| Error::light("the primaries span no gamut")),
-        }
-    }
-}
-
-/// What lies beyond the picture, for the pupil and for the retina under a moving gaze: an
-/// equal-energy light.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase", expecting = "\"edge\" or a luminance in cd/m2")]
-pub enum Surround {
-    /// The mean luminance of the first frame's outermost pixels.
-    Edge,
-    /// A luminance; 0 is a dark room.
-    #[serde(untagged)]
-    Uniform(Nits),
-}
-
-impl Surround {
-    /// The luminance, where it is known before the first frame.
-    fn known(self) -> Option<Nits> {
-        match self {
-            Surround::Edge => None,
-            Surround::Uniform(nits) => Some(nits),
-        }
-    }
-}
-
-/// Where an eye looks: fractions of the picture's width and height, from the top left.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gaze(pub [f64; 2]);
-
-impl Gaze {
-    /// The middle of the picture.
-    pub const CENTRE: Gaze = Gaze([0.5, 0.5]);
-
-    /// The same in pixels of a picture of this width and height.
-    pub(crate) fn pixel(self, size: [usize; 2]) -> [f64; 2] {
-        [0, 1].map(|i| self.0[i] * size[i] as f64 - 0.5)
-    }
-}
-
-/// One frame as an eye takes it in.
-#[derive(Clone, Copy, Debug)]
-pub struct Stimulus<'a> {
-    /// The frame: RGB, bands, or the projections of bands.
-    pub planes: &'a Planes,
-    /// Its luminances, by [`survey`].
-    pub survey: &'a Arc<Survey>,
-    /// Places to be checked at full model beside the look, the same in every frame: column, row.
-    pub checked: &'a [[usize; 2]],
-    /// Their spectra, where planes are projections.
-    pub spectra: Option<&'a SampledSpectra>,
-    /// The moments of every place in double precision, where all have the same light: pigment then
-    /// follows it to the last digits, and a gaze moves nothing.
-    pub uniform: Option<&'a [f64]>,
-}
-
-impl<'a> Stimulus<'a> {
-    /// A frame as it is, with nothing to be checked.
-    pub fn new(planes: &'a Planes, survey: &'a Arc<Survey>) -> Self {
-        Stimulus { planes, survey, checked: &[], spectra: None, uniform: None }
-    }
-}
+pub use stimulus::{Gaze, Light, Stimulus, Surround};
 
 /// What one look found.
 #[derive(Clone, Debug)]
@@ -200,71 +112,6 @@ pub struct Eye {
     bands: Option<Planes>,
 }
 
-/// An eye to be: its light and size are given, all else is the standard observer's.
-pub struct EyeBuilder(Eye);
-
-impl EyeBuilder {
-    /// Kinetics of the L, M and S pigments.
-    pub fn pigments(mut self, pigments: [Kinetics; 3]) -> Self {
-        self.0.pigments = pigments;
-        self
-    }
-
-    /// How pigment follows light. `budget`: largest error of p and of a catch up to which less may
-    /// be modelled; `None`: the model is used everywhere.
-    pub fn model(mut self, model: Model, budget: Option<f64>) -> Self {
-        (self.0.model, self.0.plan) = (model, Plan::new(budget));
-        self
-    }
-
-    /// Light scattered in the eye, in pictures of this size and scale; `None`: not at all.
-    pub fn optics(mut self, optics: Option<Optics>, draw: Draw) -> Self {
-        self.0.optics = optics.map(|optics| OpticsStage::new(optics, draw));
-        self
-    }
-
-    /// What lies beyond the picture.
-    pub fn surround(mut self, surround: Surround) -> Self {
-        self.0.surround = surround;
-        self
-    }
-
-    /// The retina to start with, of the picture's size.
-    pub(crate) fn retina(mut self, retina: Retina) -> Self {
-        self.0.retina = retina;
-        self
-    }
-
-    /// Starts at the steady state of the first frame.
-    pub(crate) fn adapted(mut self) -> Self {
-        self.0.adapts_first = true;
-        self
-    }
-
-    /// The eye.
-    ///
-    /// # Errors
-    /// A size or a scale is zero or not finite, or the retina is of another size.
-    pub fn build(self) -> Result<Eye> {
-        let mut eye = self.0;
-        eye.optics = eye.optics.map(|optics| optics.within(eye.surround));
-        eye.retina = eye.retina.with_cells(eye.optics.as_ref().map(OpticsStage::extent));
-        let [width, height] = eye.size;
-        if width == 0 || height == 0 || eye.retina.size() != eye.size {
-            let problem = format!(
-                "a picture of {width} x {height} pixels on a retina of {:?} places; accepted: \
-                 sizes above 0 that agree",
-                eye.retina.size()
-            );
-            return Err(Error::light(problem));
-        }
-        if !(eye.pixels_per_degree.is_finite() && eye.pixels_per_degree > 0.0) {
-            return Err(Error::light("the field of view is not above 0 degrees"));
-        }
-        Ok(eye)
-    }
-}
-
 impl Eye {
     /// The standard observer's eye for frames of `size` (width, height) that are `across` degrees
     /// wide, modelled no more than a budget of 10^-3 of p and of a catch needs.
@@ -273,39 +120,6 @@ impl Eye {
     /// The primaries span no gamut, or a size is zero.
     pub fn new(light: Light, size: [usize; 2], across: Degrees) -> Result<Eye> {
         Eye::builder(light.received_by(Observer::standard())?, size, across).build()
-    }
-
-    /// An eye to be, for light as an observer receives it.
-    pub fn builder(vision: Vision, size: [usize; 2], across: Degrees) -> EyeBuilder {
-        let (percept, around) = (PerceptStage::new(&vision), vision.equal_energy_moments());
-        let model = Model::Tracked {
-            method: step::EXACT,
-            substeps: 0,
-            budget: plan::SUBSTEPS * plan::BUDGET,
-        };
-        EyeBuilder(Eye {
-            pupil: Pupil::new(vision.observer.pupil, vision.observer.dynamics),
-            vision,
-            pigments: Kinetics::standard(),
-            model,
-            size,
-            pixels_per_degree: size[0] as f64 / across.0,
-            adapts_first: false,
-            retina: Retina::rested(size[0], size[1]),
-            plan: Plan::new(Some(plan::BUDGET)),
-            check: None,
-            first_gaze: None,
-            surround: Surround::Edge,
-            optics: None,
-            percept,
-            illuminance: None,
-            around,
-            fields: Vec::new(),
-            uniform: None,
-            spare: None,
-            frame: None,
-            bands: None,
-        })
     }
 
     /// Promises that the gaze stays where it first goes: the veil beyond the picture, which only
