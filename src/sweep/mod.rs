@@ -5,6 +5,8 @@
 //! always made from those folders. So the same files come out whether one process ran all cases, or
 //! many ran one each, or one was killed half-way.
 
+mod case;
+mod cells;
 mod contact;
 mod eye;
 mod folder;
@@ -17,29 +19,16 @@ pub mod typed;
 use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::AtomicUsize;
 
-use rayon::prelude::*;
-
-use crate::colour::chromaticity;
-use crate::config::settings::DisplayFile;
 use crate::config::{Case, Config, Sweep};
-use crate::display::ToneMap;
 use crate::error::{Error, Result};
-use crate::eye::Look;
-use crate::frames::{area, atomic};
-use crate::plot::marks::Marks;
-use crate::run::record::Reading;
-use crate::run::report::Timing;
-use crate::run::writer::Finished;
-use crate::run::{self, Existing, Loaded, Scene, Watch};
-use crate::units::Seconds;
+use crate::frames::atomic;
+use crate::run::{self, Existing, Watch};
 
-use eye::CaseEye;
-use folder::{Done, Folder, Left, Steady};
-use light::Key;
-use pass::Span;
+use case::Opened;
+use cells::Cells;
+use folder::{Folder, Left};
 
 /// Which part of a sweep to do.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -132,224 +121,6 @@ fn asked(sweep: &Sweep, part: Part) -> Result<Vec<&Case>> {
             )
         }),
     }
-}
-
-/// A case whose frames have been found.
-struct Opened<'a> {
-    case: &'a Case,
-    scene: Scene,
-    spans: Vec<Span>,
-}
-
-impl<'a> Opened<'a> {
-    fn new(case: &'a Case, sweep: &Sweep) -> Result<Self> {
-        let open = || {
-            let scene = Scene::open(&case.config)?;
-            let spans = pass::spans(&case.config, &scene, &sweep.durations)?;
-            Ok(Opened { case, scene, spans })
-        };
-        open().map_err(|error| case.located(error))
-    }
-
-    /// The files that it reads.
-    fn inputs(&self) -> Vec<PathBuf> {
-        self.scene.files.iter().cloned().chain(run::tables(&self.case.config)).collect()
-    }
-
-    fn first_file(&self) -> usize {
-        self.spans.first().map_or(0, |span| span.file)
-    }
-
-    fn is_still(&self) -> bool {
-        self.scene.footage.len() == 1
-    }
-}
-
-/// The cells of a sweep that are being made.
-struct Cells<'a> {
-    sweep: &'a Sweep,
-    folder: &'a Folder,
-    watch: &'a dyn Watch,
-    /// The square that a picture of the sheet must fit into, pixels.
-    side: usize,
-    done: AtomicUsize,
-}
-
-impl Cells<'_> {
-    /// Runs cases: those that see one light together, one light after the other. Cases that need
-    /// only little memory beside their light run side by side.
-    fn run(&self, pending: &[Opened]) -> Result<()> {
-        if pending.is_empty() {
-            return Ok(());
-        }
-        let notes: BTreeSet<&String> =
-            pending.iter().flat_map(|opened| &opened.scene.footage.header().notes).collect();
-        notes.into_iter().for_each(|note| self.watch.warn(note));
-        let first = Opened::new(&self.sweep.cases[0], self.sweep)?;
-        let mut held = (light::key(&first.case.config, &first.scene), self.lit(&first)?);
-        // All cases show the same light by the same map, unless their displays differ.
-        let survey = CaseEye::new(&first.case.config, &first.scene)?.survey(&held.1)?;
-        let cells = pending.len() * self.sweep.durations.len();
-        for (key, group) in groups(pending) {
-            if held.0 != key {
-                drop(held);
-                held = (key, self.lit(group[0])?);
-            }
-            let run = |opened: &&Opened| {
-                let display = opened.case.config.display();
-                let map = Arc::new(display.follow(None, &survey, Seconds(0.0)));
-                self.case(opened, &held.1, &map, cells)
-            };
-            if !self.sweep.pictures && group[0].is_still() {
-                group.par_iter().try_for_each(run)?;
-            } else {
-                group.iter().try_for_each(run)?;
-            }
-        }
-        Ok(())
-    }
-
-    fn lit(&self, opened: &Opened) -> Result<Arc<Loaded>> {
-        light::lit(&opened.scene, opened.first_file(), None)
-    }
-
-    /// One pass of one case, unless another process was quicker.
-    fn case(
-        &self,
-        opened: &Opened,
-        first: &Arc<Loaded>,
-        map: &Arc<ToneMap>,
-        cells: usize,
-    ) -> Result<()> {
-        let Opened { case, scene, spans } = opened;
-        if self.folder.is_finished(case.number) {
-            return Ok(());
-        }
-        let beside = self.folder.begin(case.number)?;
-        let writer =
-            run::writer(&case.config, scene, &run::resolved(&case.config.settings), beside.path())?;
-        let mut pass = Pass::new(opened, first, self)?;
-        let window = scene.footage.window();
-        for span in spans {
-            if self.watch.interrupted() {
-                return Err(Error::Interrupted { resumable: true });
-            }
-            let Some((cell, look)) = pass.watch(span)? else { continue };
-            let small = area::reduced(&window.of(&look.percept), pass.size);
-            pass.pictures.extend(writer.picture(&small, map));
-            if self.sweep.pictures {
-                let cell = finished(case, cell, (span, look), map);
-                writer.write(&cell, &mut Timing::default())?;
-            }
-            self.watch.frames(self.done.fetch_add(1, Ordering::Relaxed) + 1, cells);
-        }
-        self.folder.finish(case.number, beside, &pass.left(&self.folder.digest))
-    }
-}
-
-/// A case on its way through time.
-struct Pass<'a> {
-    opened: &'a Opened<'a>,
-    durations: &'a [f64],
-    eye: CaseEye,
-    /// The file that is looked at, and its light.
-    file: usize,
-    light: Arc<Loaded>,
-    /// Of the pictures for the sheet.
-    size: [usize; 2],
-    rows: String,
-    pictures: Vec<u8>,
-    steady: Vec<Reading>,
-    bad_frames: usize,
-    past_limit: Option<String>,
-}
-
-impl<'a> Pass<'a> {
-    fn new(opened: &'a Opened<'a>, first: &Arc<Loaded>, cells: &Cells<'a>) -> Result<Pass<'a>> {
-        let mended = usize::from(first.frame.tally.non_finite() > 0);
-        Ok(Pass {
-            opened,
-            durations: &cells.sweep.durations,
-            eye: CaseEye::new(&opened.case.config, &opened.scene)?,
-            file: opened.first_file(),
-            light: first.clone(),
-            size: area::size(opened.scene.footage.window().size, cells.side),
-            rows: table::header(&cells.sweep.keys),
-            pictures: Vec::new(),
-            steady: Vec::new(),
-            bad_frames: opened.scene.held.len() + mended,
-            past_limit: None,
-        })
-    }
-
-    /// Looks on for a span; the cell that it ends, if any, and its look.
-    fn watch(&mut self, span: &Span) -> Result<Option<(usize, Look)>> {
-        let Opened { case, scene, .. } = self.opened;
-        if span.file != self.file {
-            let places = self.light.places.to_vec();
-            (self.file, self.light) = (span.file, light::lit(scene, span.file, Some(places))?);
-            self.bad_frames += usize::from(self.light.frame.tally.non_finite() > 0);
-        }
-        let seen = self.eye.watch(&self.light, span)?;
-        self.past_limit = self.past_limit.take().or(seen.past_limit);
-        let Some(cell) = span.cell else { return Ok(None) };
-        let (number, duration) = (case.number, self.durations[cell]);
-        let at = table::Cell { case: number, duration, values: &case.values };
-        self.rows += &table::rows(&at, &seen.readings, &seen.steady, &case.config.pigments());
-        self.steady = seen.steady;
-        Ok(Some((cell, seen.look)))
-    }
-
-    /// What it leaves in its folder.
-    fn left(self, digest: &str) -> Left {
-        let case = self.opened.case;
-        let beyond = self.eye.beyond(&case.config);
-        let steady = self.steady.iter().map(|reading| Steady {
-            bleached: reading.p.map(|p| 1.0 - p),
-            chromaticity: chromaticity(reading.xyz),
-        });
-        let done = Done {
-            digest: digest.to_owned(),
-            rows: run::digest(self.rows.as_bytes()),
-            bad_frames: self.bad_frames,
-            size: self.size,
-            beyond: beyond.map(|words| format!("case {}: {words}", case.number)),
-            past_limit: self.past_limit.map(|words| format!("case {}, {words}", case.number)),
-            steady: steady.collect(),
-        };
-        Left { done, rows: self.rows, pictures: self.pictures }
-    }
-}
-
-/// The pictures of a cell, numbered from 1 in the order of durations.
-fn finished(case: &Case, cell: usize, (span, look): (&Span, Look), map: &Arc<ToneMap>) -> Finished {
-    let output = &case.config.settings.output;
-    let shown = output.display == DisplayFile::Png;
-    let marks = Marks { gaze: look.gaze, time: span.end };
-    Finished {
-        name: format!("{:04}", cell + 1),
-        pictured: true,
-        file: span.file,
-        seen: look.percept,
-        map: shown.then(|| map.clone()),
-        marks: output.marks.then_some(marks),
-        state: None,
-        trace: String::new(),
-        probes: String::new(),
-    }
-}
-
-/// Cases by the light that they see, in order of their first case.
-fn groups<'a, 'b>(opened: &'b [Opened<'a>]) -> Vec<(Key, Vec<&'b Opened<'a>>)> {
-    let mut groups: Vec<(Key, Vec<&Opened>)> = Vec::new();
-    for one in opened {
-        let key = light::key(&one.case.config, &one.scene);
-        match groups.iter_mut().find(|group| group.0 == key) {
-            Some(group) => group.1.push(one),
-            None => groups.push((key, vec![one])),
-        }
-    }
-    groups
 }
 
 /// What cases left; all of them must be finished.
