@@ -13,6 +13,7 @@
 
 mod encode;
 mod gamut;
+mod histogram;
 mod row;
 mod screen;
 mod tone;

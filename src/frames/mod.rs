@@ -32,6 +32,7 @@ mod exr_sampling;
 mod film;
 mod film_call;
 mod film_child;
+mod film_layouts;
 mod film_matrix;
 mod film_probe;
 mod film_yuv;

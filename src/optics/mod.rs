@@ -21,6 +21,7 @@
 mod around;
 mod certificate;
 mod gaussians;
+mod level;
 mod levels;
 pub(crate) mod psf;
 mod pyramid;
