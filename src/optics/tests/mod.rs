@@ -1,9 +1,10 @@
-//! Laws of the operator, and its error against direct summation in f64.
+//! Laws of the operator.
+
+mod certificate;
+mod sun;
 
 use crate::light::Samples;
 
-use super::double::veil_in_double;
-use super::gaussians::Gaussians;
 use super::*;
 use half::f16;
 
@@ -73,78 +74,6 @@ fn scene(noise: &mut Noise, [width, height]: [usize; 2], contrast: f64) -> Plane
     Planes { width, height, count: 1, samples: Samples::Float(light) }
 }
 
-/// r = s (1 - c) + K s by direct summation in f64 at some places, K the sum of Gaussians itself.
-fn direct(sum: &Gaussians, s: &Planes, places: &[[usize; 2]]) -> Vec<f64> {
-    let (width, height) = (s.width, s.height);
-    let kernel: Vec<f64> =
-        (0..width * height).map(|i| sum.at((i % width) as f64, (i / width) as f64)).collect();
-    let at = |[x, y]: [usize; 2]| {
-        let (mut veil, mut all) = (0.0, 0.0);
-        for v in 0..height {
-            for u in 0..width {
-                let k = kernel[v.abs_diff(y) * width + u.abs_diff(x)];
-                all += k;
-                veil += k * s.at(u, v, 0);
-            }
-        }
-        s.at(x, y, 0) * (1.0 - all) + veil
-    };
-    places.iter().map(|place| at(*place)).collect()
-}
-
-/// The largest relative error at some places of a random scene, the certificate beside it.
-fn error_and_bound(noise: &mut Noise, size: [usize; 2], places: usize) -> (f64, f64) {
-    let psf = PSFS[1 + noise.below(5)].1;
-    let scatter = Scatter {
-        psf,
-        age: 20.0 + 60.0 * noise.next(),
-        pigmentation: 1.2 * noise.next(),
-        straylight: 0.6 + noise.next(),
-        core_deg: [0.0, 0.05, 0.1][noise.below(3)],
-    };
-    let degrees = 0.2 * 0.025f64.powf(noise.next());
-    let depth = DEPTHS[noise.below(4)];
-    let Ok(Some(mut optics)) = Optics::at_depth(&scatter, size, degrees, 1, depth) else {
-        return (0.0, 1.0);
-    };
-    let contrast = 1e7f64.powf(noise.next());
-    let s = scene(noise, size, contrast);
-    let places: Vec<[usize; 2]> =
-        (0..places).map(|_| [noise.below(size[0]), noise.below(size[1])]).collect();
-    let sum = scatter.gaussians(degrees, (size[0] as f64).hypot(size[1] as f64));
-    let (ours, truth) = (exchanged(&mut optics, &s, None), direct(&sum, &s, &places));
-    let error =
-        |(place, truth): (&[usize; 2], &f64)| (ours.at(place[0], place[1], 0) / truth - 1.0).abs();
-    (places.iter().zip(&truth).map(error).fold(0.0, f64::max), optics.bound())
-}
-
-#[test]
-fn the_error_stays_below_the_certificate_in_small_random_scenes() {
-    let mut noise = Noise(7);
-    let mut closest = 0.0f64;
-    for case in 0..300 {
-        let size = [1 + noise.below(70), 1 + noise.below(50)];
-        let (error, bound) = error_and_bound(&mut noise, size, 20);
-        assert!(error <= bound, "scene {case}: {error:e} above {bound:e}");
-        closest = closest.max(error / bound);
-    }
-    // A bound that nothing comes near would prove little.
-    assert!(closest > 0.1, "{closest}");
-}
-
-/// The same on 480 x 270 and all of its places' light: minutes. `OPTICS_SCENES=50 cargo test
-/// --release optics`.
-#[test]
-fn the_error_stays_below_the_certificate_in_as_many_large_scenes_as_asked() {
-    let scenes = std::env::var("OPTICS_SCENES").ok().and_then(|n| n.parse().ok()).unwrap_or(1);
-    let mut noise = Noise(11);
-    for case in 0..scenes {
-        let (error, bound) =
-            error_and_bound(&mut noise, [480, 270], if scenes > 1 { 400 } else { 40 });
-        assert!(error <= bound, "scene {case}: {error:e} above {bound:e}");
-    }
-}
-
 /// The sun of the built-in sunset, half a degree up: the sky's and the sea's luminances about it,
 /// roughly.
 fn low_sun(width: usize, offset: f64) -> (Planes, f64) {
@@ -161,49 +90,6 @@ fn low_sun(width: usize, offset: f64) -> (Planes, f64) {
 
 /// Radius of the sun's disc, degrees.
 const RADIUS: f64 = 0.2665;
-
-/// A uniform disc of luminance 1 alone, each pixel the mean of 64 places, and its scale.
-fn disc(width: usize, offset: f64) -> (Planes, f64) {
-    let (height, degrees) = (width * 9 / 16, 8.0 / width as f64);
-    let at = |i: usize, n: usize, part: usize| {
-        ((i as f64 - (n as f64 - 1.0) / 2.0) + (part as f64 + 0.5) / 8.0 - 0.5) * degrees
-    };
-    let light = |x: usize, y: usize| {
-        let inside = |part: &usize| {
-            (at(x, width, part % 8) - offset).hypot(at(y, height, part / 8)) < RADIUS
-        };
-        (0..64).filter(inside).count() as f32 / 64.0
-    };
-    (picture([width, height], light), degrees)
-}
-
-/// Published integrals of the CIE equation over a disc of 0.533 degrees (age 30, brown eyes), at
-/// degrees from its centre.
-const DISC: [(f64, f64); 4] =
-    [(0.5, 1.2705e-2), (1.0, 1.3853e-3), (2.0, 2.0097e-4), (3.0, 7.0059e-5)];
-
-/// The veil in the middle row, degrees right of the picture's middle, between the columns by
-/// powers.
-fn veil_at(r: &Planes, degrees: f64, offset: f64, t: f64) -> f64 {
-    let x = (t + offset) / degrees + (r.width as f64 - 1.0) / 2.0;
-    let at = |x: usize| 0.5 * (r.at(x, (r.height - 1) / 2, 0) + r.at(x, r.height / 2, 0));
-    let share = x.fract();
-    (at(x as usize).ln() * (1.0 - share) + at(x as usize + 1).ln() * share).exp()
-}
-
-#[test]
-fn the_veil_of_a_disc_is_the_integral_of_the_function_at_every_resolution() {
-    for (width, tolerance) in [(120, 1.2e-2), (240, 1e-2), (480, 3e-3), (960, 3e-3)] {
-        for offset in [0.0, 0.37 * 8.0 / width as f64] {
-            let (s, degrees) = disc(width, offset);
-            let r = exchanged(&mut optics(&cie(), [s.width, s.height], degrees, 3e-3), &s, None);
-            for (t, expected) in &DISC[if width < 480 { 1 } else { 0 }..] {
-                let found = veil_at(&r, degrees, offset, *t) / expected;
-                assert!((found - 1.0).abs() < tolerance, "{width} pixels, {t} degrees: {found}");
-            }
-        }
-    }
-}
 
 #[test]
 fn a_uniform_picture_is_unchanged() {
@@ -344,16 +230,6 @@ fn a_turned_picture_has_the_turned_veil() {
 }
 
 #[test]
-fn a_sun_on_the_border_gives_a_far_sky_nothing_but_its_own_veil() {
-    let (width, height, degrees) = (480, 270, 8.0 / 480.0);
-    let r = |x: usize, y: usize| ((x as f64 + 0.5) * degrees).hypot((y as f64 - 134.5) * degrees);
-    let s = picture([width, height], |x, y| if r(x, y) < RADIUS { 6.21e5 } else { 1000.0 });
-    let mut optics = optics(&cie(), [width, height], degrees, 3e-3);
-    let far = exchanged(&mut optics, &s, None).at(width - 1, 135, 0);
-    assert!((1000.0..1003.0).contains(&far), "{far}");
-}
-
-#[test]
 fn a_surround_like_the_picture_leaves_it_and_a_dark_one_takes_light_at_the_border() {
     let size = [160, 90];
     let uniform = picture(size, |_, _| 7.0);
@@ -364,47 +240,6 @@ fn a_surround_like_the_picture_leaves_it_and_a_dark_one_takes_light_at_the_borde
         let r = exchanged(&mut optics, &uniform, Some(&[0.0]));
         let (corner, middle) = (r.at(0, 0, 0), r.at(80, 45, 0));
         assert!(corner < middle && middle < 7.0, "{psf:?}: {corner} {middle}");
-    }
-}
-
-#[test]
-fn the_veil_of_the_sun_is_the_same_whatever_the_crop() {
-    let at = |width: usize, height: usize| {
-        let (degrees, middle) = (8.0 / 480.0, |n: usize| (n as f64 - 1.0) / 2.0);
-        let r = |x: usize, y: usize| {
-            (x as f64 - middle(width)).hypot(y as f64 - middle(height)) * degrees
-        };
-        let s = picture([width, height], |x, y| if r(x, y) < RADIUS { 6.2e5 } else { 0.0 });
-        let r = exchanged(&mut optics(&cie(), [width, height], degrees, 3e-3), &s, None);
-        veil_at(&r, degrees, 0.0, 2.0)
-    };
-    for width in [472, 476, 480, 484, 488] {
-        let ratio = at(width, 270) / at(960, 540);
-        assert!((ratio - 1.0).abs() < 1e-4, "{width}: {ratio}");
-    }
-}
-
-/// The noon sun in its sky, 1 100 to 1.6e9 cd/m2.
-fn noon(size: [usize; 2]) -> Planes {
-    picture(size, |x, y| {
-        let r = (x as f64 - 101.3).hypot(y as f64 - 60.8) / 30.0;
-        if r < RADIUS { 1.6e9 } else { (1100.0 + 4e3 * (-r).exp()) as f32 }
-    })
-}
-
-#[test]
-fn single_floats_keep_the_veil_of_the_noon_sun_at_every_place() {
-    let size = [240, 135];
-    let s = noon(size);
-    for depth in DEPTHS {
-        let mut optics = Optics::at_depth(&cie(), size, 1.0 / 30.0, 1, depth).unwrap().unwrap();
-        let r = exchanged(&mut optics, &s, None);
-        let [veil, covered] =
-            [&s, &picture(size, |_, _| 1.0)].map(|s| veil_in_double(&optics.sum, &depth, s));
-        let exact = |i: usize| f64::from(floats(&s)[i]) * (1.0 - covered[i]) + veil[i];
-        let errors = floats(&r).iter().enumerate().map(|(i, r)| f64::from(*r) / exact(i) - 1.0);
-        let worst = errors.map(f64::abs).fold(0.0, f64::max);
-        assert!(worst < ROUNDING, "{depth:?}: {worst:e}");
     }
 }
 
