@@ -81,7 +81,7 @@ impl Gaze {
 pub struct Stimulus<'a> {
     /// The frame: RGB, bands, or the projections of bands.
     pub planes: &'a Planes,
-    /// Its luminances, by [`survey`].
+    /// Its luminances, by [`super::survey`].
     pub survey: &'a Arc<Survey>,
     /// Places to be checked at full model beside the look, the same in every frame: column, row.
     pub checked: &'a [[usize; 2]],
