@@ -8,11 +8,11 @@ use crate::kernel::{self, Between, TILE};
 
 /// Three planes, row by row, that can be read between their samples.
 pub(super) struct Field<'a, T> {
-    pub samples: &'a [T],
-    pub width: usize,
-    pub height: usize,
+    pub(crate) samples: &'a [T],
+    pub(crate) width: usize,
+    pub(crate) height: usize,
     /// What lies outside.
-    pub around: Around<'a, T>,
+    pub(crate) around: Around<'a, T>,
 }
 
 impl<T: Between> Field<'_, T> {

@@ -68,11 +68,6 @@ impl Retina {
         self.origin
     }
 
-    /// Pigment wherever no picture has been.
-    pub fn beyond(&self) -> [f64; 3] {
-        self.beyond
-    }
-
     /// The same with cells of its own for what lies beyond the picture, if `extent` tells where.
     pub(super) fn with_cells(self, extent: Option<Extent>) -> Self {
         let around = extent.map(|extent| Grid::alike(extent, self.beyond));
@@ -103,7 +98,7 @@ impl Retina {
     }
 
     /// Everything that is kept: rows of L, M, S.
-    pub fn fractions(&self) -> &[f64] {
+    pub(crate) fn fractions(&self) -> &[f64] {
         &self.p
     }
 
@@ -229,7 +224,7 @@ mod tests {
             step.cone(k, &[1e6; 2], &mut retina.p[2 * k..][..2]);
         });
         retina.advance_beyond(&step, Around::Alike([1e4; 3]), [0.0; 2]);
-        let (inside, outside) = (retina.at([1, 0]), retina.beyond());
+        let (inside, outside) = (retina.at([1, 0]), retina.beyond);
         assert_eq!(retina.cover([-1, 0], [1, 2], 4), [1, 0]);
         assert_eq!(retina.size(), [6, 3]);
         assert_eq!(retina.at([1, 0]), inside);

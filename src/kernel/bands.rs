@@ -21,7 +21,7 @@ const AHEAD: usize = 96;
 
 /// The weights of some sums over bands.
 #[derive(Clone, Debug, PartialEq)]
-pub struct BandSums {
+pub(crate) struct BandSums {
     rows: usize,
     groups: Vec<Group>,
 }
@@ -62,17 +62,17 @@ impl Group {
 
 impl BandSums {
     /// So many sums, all of them zero.
-    pub fn new(rows: usize) -> Self {
+    pub(crate) fn new(rows: usize) -> Self {
         BandSums { rows, groups: vec![Group::default(); rows.div_ceil(GROUP)] }
     }
 
     /// Gives a sum its weights, one a band.
-    pub fn set(&mut self, row: usize, weights: impl Iterator<Item = f32>) {
+    pub(crate) fn set(&mut self, row: usize, weights: impl Iterator<Item = f32>) {
         weights.enumerate().for_each(|(band, weight)| self.put(row, band, weight));
     }
 
     /// Gives a sum its weight in a band.
-    pub fn put(&mut self, row: usize, band: usize, weight: f32) {
+    pub(crate) fn put(&mut self, row: usize, band: usize, weight: f32) {
         let group = &mut self.groups[row / GROUP];
         if weight != 0.0 || group.covers(band) {
             group.set(row % GROUP, band, weight);
@@ -80,7 +80,7 @@ impl BandSums {
     }
 
     /// The sums that a band has a weight in, and it.
-    pub fn of_band(&self, band: usize) -> impl Iterator<Item = (usize, f32)> + '_ {
+    pub(crate) fn of_band(&self, band: usize) -> impl Iterator<Item = (usize, f32)> + '_ {
         let groups = self.groups.iter().enumerate().filter(move |(_, group)| group.covers(band));
         groups.flat_map(move |(i, group)| {
             (0..GROUP).map(move |row| (GROUP * i + row, group.weight(row, band)))
@@ -88,17 +88,17 @@ impl BandSums {
     }
 
     /// The weight of a sum in a band.
-    pub fn weight(&self, row: usize, band: usize) -> f32 {
+    pub(crate) fn weight(&self, row: usize, band: usize) -> f32 {
         self.groups[row / GROUP].weight(row % GROUP, band)
     }
 
     /// How many sums.
-    pub fn rows(&self) -> usize {
+    pub(crate) fn rows(&self) -> usize {
         self.rows
     }
 
     /// The sums of a run, each a run of `out`.
-    pub fn project(&self, light: PlaneTile<'_>, out: &mut [f32]) {
+    pub(crate) fn project(&self, light: PlaneTile<'_>, out: &mut [f32]) {
         vectorised(Project { sums: self, light, out });
     }
 }

@@ -5,7 +5,7 @@ use pulp::{Simd, WithSimd};
 use super::vectorised;
 
 /// A number between two others; exactly theirs where they are equal.
-pub trait Between: Copy {
+pub(crate) trait Between: Copy {
     /// The number at `t`, 0 to 1, of the way to `other`.
     fn between(self, other: Self, t: f64) -> Self;
 }
@@ -27,7 +27,7 @@ impl Between for f64 {
 /// What lies between the samples of two rows: every place at the share `u` of the way to the next
 /// sample, and `v` of the way from the row `above` to that `below`. Rows are as long as `out`, and
 /// one sample longer where `u` is not 0.
-pub fn between<T: Between>(above: &[T], below: &[T], [u, v]: [f64; 2], out: &mut [T]) {
+pub(crate) fn between<T: Between>(above: &[T], below: &[T], [u, v]: [f64; 2], out: &mut [T]) {
     let length = out.len();
     let (above, below) = (&above[..length + usize::from(u > 0.0)], below);
     match (u > 0.0, v > 0.0) {
@@ -40,7 +40,7 @@ pub fn between<T: Between>(above: &[T], below: &[T], [u, v]: [f64; 2], out: &mut
 
 /// Straight lines through samples that lie `apart` places from each other. The first place of `out`
 /// is `offset` places behind the first sample, less than `apart`; the last is not behind the last.
-pub fn ramps<T: Between>(samples: &[T], apart: usize, offset: f64, out: &mut [T]) {
+pub(crate) fn ramps<T: Between>(samples: &[T], apart: usize, offset: f64, out: &mut [T]) {
     vectorised(Ramps { samples, apart, offset, out });
 }
 

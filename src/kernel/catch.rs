@@ -16,17 +16,17 @@ use crate::light::PlaneTile;
 
 /// The catches of an observer in the shape their loop wants.
 #[derive(Clone, Debug, PartialEq)]
-pub struct CatchForm {
+pub(crate) struct CatchForm {
     /// How the planes become catches per pigment.
-    pub planes: PlanesForm,
+    pub(crate) planes: PlanesForm,
     /// `[cone]`: polynomials in p, lowest power first, whose largest is the peak that a catch is
     /// divided by; empty where it is not.
-    pub peaks: [Vec<[f32; 4]>; 3],
+    pub(crate) peaks: [Vec<[f32; 4]>; 3],
 }
 
 /// How planes become catches per pigment.
 #[derive(Clone, Debug, PartialEq)]
-pub enum PlanesForm {
+pub(crate) enum PlanesForm {
     /// `[cone][plane]`: the plane's weight, a cubic in p, lowest power first.
     Rgb([[[f32; 4]; 3]; 3]),
     /// The planes of cone k are its three moments, from plane 3 k on; the quadratics that mix
@@ -42,7 +42,7 @@ struct Catch<'a> {
 }
 
 /// p of a tile in single precision, as its catch and its percept read it.
-pub fn single(p: [&[f64]; 3], single: &mut [[f32; TILE]; 3]) {
+pub(crate) fn single(p: [&[f64]; 3], single: &mut [[f32; TILE]; 3]) {
     for (single, p) in single.iter_mut().zip(p) {
         for (single, &p) in single.iter_mut().zip(p) {
             *single = p as f32;
@@ -52,7 +52,12 @@ pub fn single(p: [&[f64]; 3], single: &mut [[f32; TILE]; 3]) {
 
 /// The catches of a tile. `light`: its planes; `p`: unbleached fractions of L, M, S; `lms`: the
 /// catches, a run of the tile's width for each cone.
-pub fn catch(form: &CatchForm, light: PlaneTile<'_>, p: &[[f32; TILE]; 3], lms: [&mut [f32]; 3]) {
+pub(crate) fn catch(
+    form: &CatchForm,
+    light: PlaneTile<'_>,
+    p: &[[f32; TILE]; 3],
+    lms: [&mut [f32]; 3],
+) {
     vectorised(Catch { form, light, p, lms });
 }
 

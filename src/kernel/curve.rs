@@ -14,11 +14,11 @@ const HIGHEST: f32 = 1.125;
 const ROOM: usize = 2 * STEPS;
 
 /// A curve from 0 to a little more than 1, linear between its steps.
-pub struct Curve(Box<[f32; ROOM]>);
+pub(crate) struct Curve(Box<[f32; ROOM]>);
 
 impl Curve {
     /// The curve that takes these values.
-    pub fn of(value: impl Fn(f64) -> f64) -> Curve {
+    pub(crate) fn of(value: impl Fn(f64) -> f64) -> Curve {
         let mut table = Box::new([0.0; ROOM]);
         let last = (HIGHEST * STEPS as f32) as usize + 1;
         for (i, out) in table[..=last].iter_mut().enumerate() {

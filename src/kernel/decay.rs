@@ -16,10 +16,7 @@ use std::f64::consts::LOG2_E;
 pub(super) const SHORT: f64 = 0.006;
 
 /// The z from which [`decay`] gives 0: e^-708 is the last that is sure not to be denormal.
-pub const LONGEST: f64 = 708.0;
-
-/// Largest relative error of [`mean_decay_short`] and of [`decay`], from 0 to `LONGEST`.
-pub const ERROR: f64 = 4e-16;
+pub(crate) const LONGEST: f64 = 708.0;
 
 pub(super) const MEAN: [f64; 5] =
     [1.0, -0.49999999999998596, 0.1666666665917931, -0.04166660426300064, 0.008316686292125782];
@@ -45,13 +42,13 @@ const ROUNDING: f64 = 6_755_399_441_055_744.0;
 
 /// phi(z) for z from 0 to `SHORT`.
 #[inline(always)]
-pub fn mean_decay_short(z: f64) -> f64 {
+pub(crate) fn mean_decay_short(z: f64) -> f64 {
     polynomial(&MEAN, z)
 }
 
 /// e^-z for any z >= 0, infinity too; 0 from `LONGEST` on.
 #[inline(always)]
-pub fn decay(z: f64) -> f64 {
+pub(crate) fn decay(z: f64) -> f64 {
     let (power, q) = parts(z);
     if z < LONGEST { power * (1.0 + q) } else { 0.0 }
 }
@@ -80,6 +77,9 @@ fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Largest relative error of [`mean_decay_short`] and of [`decay`], from 0 to `LONGEST`.
+    const ERROR: f64 = 4e-16;
 
     #[test]
     fn decay_keeps_its_error_over_its_whole_range() {

@@ -18,7 +18,7 @@ use crate::step::enclosed_within;
 use crate::units::{Seconds, Trolands};
 
 /// The most by which [`unbleached`] may be off under a law that has no closed form.
-pub const ENCLOSED: f64 = 1e-6;
+pub(crate) const ENCLOSED: f64 = 1e-6;
 
 /// Pigments under steady light: runs of one length.
 #[derive(Clone, Copy, Debug)]
@@ -36,7 +36,7 @@ pub struct Exposures<'a> {
 }
 
 /// Unbleached fractions after each exposure: to 1e-15 under the first-order law, proven to be within
-/// [`ENCLOSED`] under the others.
+/// `ENCLOSED` under the others.
 pub fn unbleached(law: Law, of: Exposures<'_>, out: &mut [f64]) {
     match law {
         Law::FirstOrder => vectorised(FirstOrder { of, out }),

@@ -10,18 +10,13 @@ struct Greatest<'a>(&'a [f32]);
 struct Least<'a, T>(&'a [T], T);
 
 /// The greatest of a run of illuminances; 0 for none.
-pub fn greatest(run: &[f32]) -> f32 {
+pub(crate) fn greatest(run: &[f32]) -> f32 {
     vectorised(Greatest(run))
 }
 
 /// The least of a run of fractions; infinity for none.
-pub fn least(run: &[f64]) -> f64 {
+pub(crate) fn least(run: &[f64]) -> f64 {
     vectorised(Least(run, f64::INFINITY))
-}
-
-/// The least of a run of illuminances; infinity for none.
-pub fn dimmest(run: &[f32]) -> f32 {
-    vectorised(Least(run, f32::INFINITY))
 }
 
 impl WithSimd for Greatest<'_> {
@@ -83,8 +78,6 @@ mod tests {
                 let pigment: Vec<f64> =
                     (0..n).map(|i| if i == at { 0.1 } else { 0.5 + i as f64 }).collect();
                 assert_eq!((greatest(&light), least(&pigment)), (7.0, 0.1));
-                let dim: Vec<f32> = pigment.iter().map(|&p| p as f32).collect();
-                assert_eq!(dimmest(&dim), 0.1);
             }
         }
         assert_eq!((greatest(&[]), least(&[])), (0.0, f64::INFINITY));

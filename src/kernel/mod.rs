@@ -1,7 +1,7 @@
 //! The inner loops over a run of places: light -> cone illuminance, illuminance -> pigment, light
 //! and pigment -> percept. Nowhere else is speed written.
 //!
-//! A *tile*, up to [`TILE`] places of one row, goes the whole way before the next one begins, so
+//! A *tile*, up to `TILE` places of one row, goes the whole way before the next one begins, so
 //! that everything between the light and the percept stays in the first cache. Each loop does one
 //! small thing to whole runs: those are the loops that compilers vectorise, here for whatever the
 //! processor has, found when the program runs. Products and sums are never contracted, so the bits
@@ -19,40 +19,40 @@ mod percept;
 mod pigment;
 mod sums;
 
-pub use bands::BandSums;
-pub use between::{Between, between, ramps};
-pub use catch::{CatchForm, PlanesForm, catch, single};
-pub use curve::Curve;
-pub use decay::{ERROR, LONGEST, decay, mean_decay_short};
-pub use exposures::{ENCLOSED, Exposures, steady_each, unbleached};
-pub use extremes::{dimmest, greatest, least};
-pub use percept::{PerceptForm, percept};
-pub use pigment::{FirstOrderForm, relax, steady};
-pub use sums::{combine, floored, illuminance, weaken};
+pub(crate) use bands::BandSums;
+pub(crate) use between::{Between, between, ramps};
+pub(crate) use catch::{CatchForm, PlanesForm, catch, single};
+pub(crate) use curve::Curve;
+pub use exposures::{Exposures, steady_each, unbleached};
+pub(crate) use extremes::{greatest, least};
+pub(crate) use percept::{PerceptForm, percept};
+pub(crate) use pigment::steady;
+pub use pigment::{FirstOrderForm, relax};
+pub(crate) use sums::{combine, floored, illuminance, weaken};
 
 /// Most places of a tile: the planes of RGB light, trolands, pigment and percept of so many take 15
 /// KiB.
-pub const TILE: usize = 256;
+pub(crate) const TILE: usize = 256;
 
 /// Samples of a [`TileScratch`]'s light.
 pub(crate) const ROOM: usize = 16 * TILE;
 
 /// Where one tile is worked on. Made once for many rows: it is as large as many a row of a picture.
 #[repr(align(64))]
-pub struct TileScratch {
+pub(crate) struct TileScratch {
     /// Light, where it has to be converted or projected.
-    pub light: [f32; ROOM],
+    pub(crate) light: [f32; ROOM],
     /// Cone illuminance of L, M, S, td.
-    pub td: [[f32; TILE]; 3],
+    pub(crate) td: [[f32; TILE]; 3],
     /// The catches of L, M, S.
-    pub lms: [[f32; TILE]; 3],
+    pub(crate) lms: [[f32; TILE]; 3],
     /// The percept's R, G, B.
-    pub rgb: [[f32; TILE]; 3],
+    pub(crate) rgb: [[f32; TILE]; 3],
 }
 
 impl TileScratch {
     /// An empty one.
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let planes = || [[0.0; TILE]; 3];
         TileScratch { light: [0.0; ROOM], td: planes(), lms: planes(), rgb: planes() }
     }
@@ -65,13 +65,13 @@ impl Default for TileScratch {
 }
 
 /// The most places of a tile whose `planes` fit a [`TileScratch`].
-pub fn tile(planes: usize) -> usize {
+pub(crate) fn tile(planes: usize) -> usize {
     let fitting = ROOM / planes.max(1);
     if fitting >= LANES { fitting / LANES * LANES } else { fitting.max(1) }.min(TILE)
 }
 
 /// Cuts a row into tiles of at most `tile` places: where each begins and how wide it is.
-pub fn tiles(tile: usize, width: usize) -> impl Iterator<Item = (usize, usize)> {
+pub(crate) fn tiles(tile: usize, width: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..width).step_by(tile).map(move |from| (from, tile.min(width - from)))
 }
 

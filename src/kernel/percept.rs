@@ -15,11 +15,11 @@ use crate::light::PlaneTile;
 
 /// The percept of an observer in the shape its loop wants.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PerceptForm {
+pub(crate) struct PerceptForm {
     /// A: catches -> the picture's RGB.
-    pub lms_to_percept: [[f32; 3]; 3],
+    pub(crate) lms_to_percept: [[f32; 3]; 3],
     /// Whether planes are RGB, which is returned where nothing has bleached.
-    pub returns_light: bool,
+    pub(crate) returns_light: bool,
 }
 
 struct Percept<'a> {
@@ -32,7 +32,7 @@ struct Percept<'a> {
 
 /// The percept of a tile. `light`: its planes; `p`: unbleached fractions; `lms`: its catches;
 /// `percept`: R, G, B.
-pub fn percept(
+pub(crate) fn percept(
     form: &PerceptForm,
     light: PlaneTile<'_>,
     p: &[[f32; TILE]; 3],

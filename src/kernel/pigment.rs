@@ -172,7 +172,7 @@ struct Steady<'a> {
 }
 
 /// The steady state of each place's light (paper Eq. 1).
-pub fn steady(form: FirstOrderForm, light: &[f32], p: &mut [f64]) {
+pub(crate) fn steady(form: FirstOrderForm, light: &[f32], p: &mut [f64]) {
     vectorised(Steady { form, light, p });
 }
 

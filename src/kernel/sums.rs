@@ -19,13 +19,13 @@ struct Combine<'a> {
 
 /// A linear form of the planes, one weight a plane, added in their order; planes of weight zero are
 /// passed over.
-pub fn combine(light: PlaneTile<'_>, weights: &[f32], out: &mut [f32]) {
+pub(crate) fn combine(light: PlaneTile<'_>, weights: &[f32], out: &mut [f32]) {
     vectorised(Combine { light, weights, out, floored: false });
 }
 
 /// Cone illuminance of a run, td: a linear form of the planes for each cone, never negative.
 /// Returns the greatest.
-pub fn illuminance(
+pub(crate) fn illuminance(
     light: PlaneTile<'_>,
     weights: &[Vec<f32>; 3],
     out: [&mut [f32]; 3],
@@ -44,7 +44,7 @@ pub fn illuminance(
 
 /// Illuminance that is there already but for its floor: no light is negative. Returns the greatest
 /// of each cone.
-pub fn floored(sums: [&[f32]; 3], out: [&mut [f32]; 3]) -> [f32; 3] {
+pub(crate) fn floored(sums: [&[f32]; 3], out: [&mut [f32]; 3]) -> [f32; 3] {
     vectorised(Floored { sums, out })
 }
 
@@ -198,7 +198,7 @@ struct Weaken<'a> {
 
 /// Cone illuminance under a weight that changes from place to place: sum_j e^(-rate_j r^2) sum_j,
 /// never negative. `squares`: r^2 of each place; `sums`: one run for each rate.
-pub fn weaken(rates: &[f64], squares: &[f64], sums: &[[f32; TILE]], out: &mut [f32]) {
+pub(crate) fn weaken(rates: &[f64], squares: &[f64], sums: &[[f32; TILE]], out: &mut [f32]) {
     vectorised(Weaken { rates, squares, out, sums });
 }
 

@@ -4,7 +4,7 @@ use super::{Row, widen};
 
 /// A run of places in a row of planes.
 #[derive(Clone, Copy, Debug)]
-pub struct PlaneTile<'a> {
+pub(crate) struct PlaneTile<'a> {
     samples: &'a [f32],
     stride: usize,
     from: usize,
