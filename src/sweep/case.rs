@@ -8,11 +8,12 @@ use crate::config::{Case, Sweep};
 use crate::error::Result;
 use crate::eye::Look;
 use crate::frames::area;
-use crate::run::record::Reading;
-use crate::run::{self, Loaded, Scene};
+use crate::light::Survey;
+use crate::run::record::{Probe, Reading};
+use crate::run::{self, Loaded, Moment, Scene, Watching};
+use crate::units::{Seconds, Trolands};
 
-use super::eye::CaseEye;
-use super::folder::{Done, Left, Steady};
+use super::folder::{Left, Steady};
 use super::pass::{self, Span};
 use super::{light, table};
 
@@ -38,6 +39,18 @@ impl<'a> Opened<'a> {
         self.scene.files.iter().cloned().chain(run::tables(&self.case.config)).collect()
     }
 
+    /// Its eye before the first frame.
+    fn eye(&self) -> Result<Watching> {
+        let config = &self.case.config;
+        Watching::new(config, &self.scene, run::resolved(&config.settings))
+    }
+
+    /// Luminances of a frame as it is seen: with its veil, where that is drawn.
+    pub(super) fn survey(&self, loaded: &Loaded) -> Result<Arc<Survey>> {
+        let aim = Moment { time: 0.0, frame: 0 };
+        Ok(self.eye()?.glance(loaded, aim)?.0.survey)
+    }
+
     pub(super) fn first_file(&self) -> usize {
         self.spans.first().map_or(0, |span| span.file)
     }
@@ -51,7 +64,7 @@ impl<'a> Opened<'a> {
 pub(super) struct Pass<'a> {
     opened: &'a Opened<'a>,
     durations: &'a [f64],
-    eye: CaseEye,
+    eye: Watching,
     /// The file that is looked at, and its light.
     file: usize,
     light: Arc<Loaded>,
@@ -75,7 +88,7 @@ impl<'a> Pass<'a> {
         Ok(Pass {
             opened,
             durations: &sweep.durations,
-            eye: CaseEye::new(&opened.case.config, &opened.scene)?,
+            eye: opened.eye()?,
             file: opened.first_file(),
             light: first.clone(),
             size: area::size(opened.scene.footage.window().size, side),
@@ -95,33 +108,54 @@ impl<'a> Pass<'a> {
             (self.file, self.light) = (span.file, light::lit(scene, span.file, Some(places))?);
             self.bad_frames += usize::from(self.light.frame.tally.non_finite() > 0);
         }
-        let seen = self.eye.watch(&self.light, span)?;
-        self.past_limit = self.past_limit.take().or(seen.past_limit);
+        let duration = span.length();
+        let (look, readings) = if duration == Seconds(0.0) {
+            self.eye.glance(&self.light, span.aim())?
+        } else {
+            self.eye.look(&self.light, span.aim(), duration, None)
+        };
+        self.past_limit = self.past_limit.take().or_else(|| self.past_limit_of(span, &look));
         let Some(cell) = span.cell else { return Ok(None) };
-        let (number, duration) = (case.number, self.durations[cell]);
-        let at = table::Cell { case: number, duration, values: &case.values };
-        self.rows += &table::rows(&at, &seen.readings, &seen.steady, &case.config.pigments());
-        self.steady = seen.steady;
-        Ok(Some((cell, seen.look)))
+        self.steady = self.eye.probes.iter().map(|probe| self.for_ever(&look, probe)).collect();
+        self.rows += &table::rows(case, self.durations[cell], &readings, &self.steady);
+        Ok(Some((cell, look)))
+    }
+
+    /// What to say if the span is past the step length that the method is stable to.
+    fn past_limit_of(&self, span: &Span, look: &Look) -> Option<String> {
+        let (eye, duration) = (&self.eye.eye, span.length());
+        let past = (duration > Seconds(0.0))
+            .then(|| eye.model().past_limit(eye.pigments(), look.stats.greatest, duration));
+        past.flatten().map(|problem| format!("{} s: {problem}", span.end))
+    }
+
+    /// What a probe would read if this light lasted.
+    fn for_ever(&self, look: &Look, probe: &Probe) -> Reading {
+        let (eye, planes) = (&self.eye.eye, &self.light.frame.planes);
+        let pixel = probe.pixel(planes, self.eye.window, look.gaze);
+        let light = eye.illuminance_at(planes, look, pixel);
+        let p = [0, 1, 2].map(|k| eye.pigments()[k].steady(Trolands(light[k])));
+        probe.reading(eye, planes, look, pixel, p)
     }
 
     /// What it leaves in its folder.
     pub(super) fn left(self, digest: &str) -> Left {
         let case = self.opened.case;
-        let beyond = self.eye.beyond(&case.config);
+        let beyond = self.eye.beyond(case.config.settings.numerics.budget);
         let steady = self.steady.iter().map(|reading| Steady {
             bleached: reading.p.map(|p| 1.0 - p),
             chromaticity: chromaticity(reading.xyz),
         });
-        let done = Done {
+        Left {
             digest: digest.to_owned(),
-            rows: run::digest(self.rows.as_bytes()),
+            rows_digest: run::digest(self.rows.as_bytes()),
             bad_frames: self.bad_frames,
             size: self.size,
             beyond: beyond.map(|words| format!("case {}: {words}", case.number)),
             past_limit: self.past_limit.map(|words| format!("case {}, {words}", case.number)),
             steady: steady.collect(),
-        };
-        Left { done, rows: self.rows, pictures: self.pictures }
+            rows: self.rows,
+            pictures: self.pictures,
+        }
     }
 }

@@ -19,7 +19,6 @@ use crate::run::{self, Loaded, Watch};
 use crate::units::Seconds;
 
 use super::case::{Opened, Pass};
-use super::eye::CaseEye;
 use super::folder::Folder;
 use super::light::{self, Key};
 use super::pass::Span;
@@ -47,7 +46,7 @@ impl Cells<'_> {
         let first = Opened::new(&self.sweep.cases[0], self.sweep)?;
         let mut held = (light::key(&first.case.config, &first.scene), self.lit(&first)?);
         // All cases show the same light by the same map, unless their displays differ.
-        let survey = CaseEye::new(&first.case.config, &first.scene)?.survey(&held.1)?;
+        let survey = first.survey(&held.1)?;
         let cells = pending.len() * self.sweep.durations.len();
         for (key, group) in groups(pending) {
             if held.0 != key {

@@ -82,7 +82,7 @@ fn blocks<'a>(sweep: &Sweep, shown: &'a [Left]) -> Vec<Block<'a>> {
 
 /// A case's picture after one of its durations.
 fn picture(left: &Left, duration: usize) -> Picture<'_> {
-    let [w, h] = left.done.size;
+    let [w, h] = left.size;
     let bytes = 3 * w * h;
     Picture {
         size: [w, h],

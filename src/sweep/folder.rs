@@ -35,13 +35,15 @@ pub(super) struct Folder {
     _claim: Claim,
 }
 
-/// `case.json`: what the sheet and the plot need beside the pictures and rows.
+/// All that a finished case leaves for the sheet, the table and the plot: `case.json`, and beside it
+/// rows and pictures.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Done {
+pub(super) struct Left {
     /// The sweep's, of which it is a case.
     pub(crate) digest: String,
-    /// Names the rows that it left in `cells.csv`.
-    pub(crate) rows: String,
+    /// Names the rows.
+    #[serde(rename = "rows")]
+    pub(crate) rows_digest: String,
     /// Frames with samples that had to be mended, and numbers without a file.
     pub(crate) bad_frames: usize,
     /// Width and height of the sheet's pictures.
@@ -51,6 +53,12 @@ pub(super) struct Done {
     /// What to say of the first span past the limit of its method.
     pub(crate) past_limit: Option<String>,
     pub(crate) steady: Vec<Steady>,
+    /// `cells.csv`: rows of the table, with its header.
+    #[serde(skip)]
+    pub(crate) rows: String,
+    /// `cells.png`: the sheet's pictures, one below the other, 8-bit RGB.
+    #[serde(skip)]
+    pub(crate) pictures: Vec<u8>,
 }
 
 /// What a probe of a case would come to under its last light.
@@ -71,15 +79,6 @@ where
     [Option<f64>; N]: Deserialize<'de>,
 {
     Ok(<[Option<f64>; N]>::deserialize(from)?.map(|number| number.unwrap_or(f64::NAN)))
-}
-
-/// All that a finished case left for the sheet, the table and the plot.
-pub(super) struct Left {
-    pub(crate) done: Done,
-    /// Rows of the table, with its header.
-    pub(crate) rows: String,
-    /// The sheet's pictures, one below the other, 8-bit RGB.
-    pub(crate) pictures: Vec<u8>,
 }
 
 impl Folder {
@@ -144,15 +143,16 @@ impl Folder {
         self.done(number).is_some()
     }
 
-    fn done(&self, number: usize) -> Option<Done> {
+    /// What a finished case left in `case.json`.
+    fn done(&self, number: usize) -> Option<Left> {
         let text = std::fs::read_to_string(self.case(number).join("case.json")).ok()?;
-        let done: Done =
-            serde_json::from_str(&text).ok().filter(|done: &Done| done.digest == self.digest)?;
+        let done: Left = serde_json::from_str(&text).ok()?;
         let case = self.case(number);
         let rows = std::fs::read(case.join("cells.csv")).ok()?;
         let files = Manifest::read(&case).ok()??.files;
         let whole = files.iter().all(|name| case.join(name).is_file());
-        (whole && run::digest(&rows) == done.rows).then_some(done)
+        let same = done.digest == self.digest && run::digest(&rows) == done.rows_digest;
+        (whole && same).then_some(done)
     }
 
     /// A folder beside for a case that is begun; it goes away unless the case is finished.
@@ -173,11 +173,11 @@ impl Folder {
         beside: tempfile::TempDir,
         left: &Left,
     ) -> Result<()> {
-        let (path, width) = (beside.path(), left.done.size[0]);
+        let (path, width) = (beside.path(), left.size[0]);
         atomic::write_text(&path.join("cells.csv"), &left.rows)?;
         let height = left.pictures.len() / (3 * width);
         frames::write_png(&path.join("cells.png"), width, height, &left.pictures)?;
-        atomic::write_text(&path.join("case.json"), &format!("{}\n", json!(left.done)))?;
+        atomic::write_text(&path.join("case.json"), &format!("{}\n", json!(left)))?;
         let names = manifest::entries(path)?;
         let names: Vec<&str> = names.iter().map(String::as_str).chain(OF_CASE).collect();
         Manifest::new(Kind::Case, Value::Null, &names, &[]).write(path)?;
@@ -228,7 +228,7 @@ impl Folder {
         if width != done.size[0] || height % done.size[1].max(1) != 0 {
             return Err(damaged("cells.png"));
         }
-        Ok(Left { done, rows, pictures })
+        Ok(Left { rows, pictures, ..done })
     }
 }
 

@@ -8,7 +8,6 @@
 mod case;
 mod cells;
 mod contact;
-mod eye;
 mod folder;
 mod light;
 mod pass;
@@ -91,16 +90,16 @@ pub fn sweep(
 
 /// Tells what was wrong in some cases; whether it makes the sweep one that went on all the same.
 fn warned(left: &[Left], watch: &dyn Watch) -> bool {
-    let bad_frames: usize = left.iter().map(|case| case.done.bad_frames).sum();
+    let bad_frames: usize = left.iter().map(|case| case.bad_frames).sum();
     if bad_frames > 0 {
         watch.warn(&format!(
             "{bad_frames} bad frames were mended or held, counting those of every case"
         ));
     }
-    if let Some(past_limit) = left.iter().find_map(|case| case.done.past_limit.as_ref()) {
+    if let Some(past_limit) = left.iter().find_map(|case| case.past_limit.as_ref()) {
         watch.warn(past_limit);
     }
-    let beyond = left.iter().find_map(|case| case.done.beyond.as_ref());
+    let beyond = left.iter().find_map(|case| case.beyond.as_ref());
     if let Some(beyond) = beyond {
         watch.warn(beyond);
     }

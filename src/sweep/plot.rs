@@ -44,7 +44,7 @@ fn members(case: &Case, left: &Left, (ink, dash): (Ink, usize)) -> Vec<(String, 
     let config = &case.config;
     let cones = Cones { kinetics: config.pigments(), lms_to_xyz: config.observer().lms_to_xyz };
     let steady = |probe: usize| {
-        left.done.steady.get(probe).map(|steady| {
+        left.steady.get(probe).map(|steady| {
             let ([l, m, s], [x, y]) = (steady.bleached, steady.chromaticity);
             [l, m, s, x, y]
         })

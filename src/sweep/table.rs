@@ -1,7 +1,7 @@
 //! Rows of `sweep.csv`: the case, the duration, the varied values, the columns of `probes.csv`, then
 //! what the light would come to if it lasted, and how long a recovery in the dark would take.
 
-use crate::kinetics::Kinetics;
+use crate::config::Case;
 use crate::run::record::{PROBES, Reading};
 
 /// Unbleached, above which a cone counts as recovered; in the order of the columns.
@@ -17,25 +17,14 @@ pub(super) fn header(keys: &[String]) -> String {
     format!("case,duration_s,{keys}{columns},steady_p_L,steady_p_M,steady_p_S,{RECOVERY}\n")
 }
 
-/// What a cell's rows begin with.
-pub(super) struct Cell<'a> {
-    pub(crate) case: usize,
-    pub(crate) duration: f64,
-    pub(crate) values: &'a [String],
-}
-
-/// The rows of one cell. `steady`: what each probe would read if the light lasted.
-pub(super) fn rows(
-    cell: &Cell<'_>,
-    readings: &[Reading],
-    steady: &[Reading],
-    pigments: &[Kinetics; 3],
-) -> String {
-    let Cell { case, duration, values } = cell;
-    let values: String = values.iter().map(|value| format!("{},", field(value))).collect();
+/// The rows of a case's cell. `steady`: what each probe would read if the light lasted.
+pub(super) fn rows(case: &Case, duration: f64, readings: &[Reading], steady: &[Reading]) -> String {
+    let pigments = case.config.pigments();
+    let values: String = case.values.iter().map(|value| format!("{},", field(value))).collect();
+    let case = case.number;
     let row = |(reading, steady): (&Reading, &Reading)| {
         let [l, m, s] = steady.p;
-        let [most, half, nine] = RECOVERED.map(|target| reading.recovery(pigments, target));
+        let [most, half, nine] = RECOVERED.map(|target| reading.recovery(&pigments, target));
         let columns = reading.columns();
         format!("{case},{duration},{values}{columns},{l},{m},{s},{most},{half},{nine}\n")
     };
@@ -54,7 +43,9 @@ fn field(value: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::config::Config;
     use crate::units::Millimetres;
+    use std::path::Path;
 
     #[test]
     fn a_list_of_three_is_one_value_of_a_row() {
@@ -67,9 +58,13 @@ mod tests {
             lost: [0.25; 3],
         };
         let steady = Reading { p: [0.125; 3], ..reading.clone() };
-        let values = ["[4.3, 4.3, 5.0]".to_owned(), "exact".to_owned()];
-        let cell = Cell { case: 2, duration: 0.3, values: &values };
-        let row = rows(&cell, &[reading], &[steady], &Kinetics::standard());
+        let toml = "[sweep]\ndurations_s = [0.3]\n[[sweep.vary]]\n\
+                    key = [\"observer.half_bleach_log_td\", \"numerics.method\"]\n\
+                    values = [[[4.3, 4.3, 5.0], \"exact\"]]";
+        let config = Config::parse(toml, "test", "test", Path::new(""), &[]).unwrap();
+        let mut case = config.sweep().unwrap().cases.remove(0);
+        case.number = 2;
+        let row = rows(&case, 0.3, &[reading], &[steady]);
         let expected = "2,0.3,\"[4.3, 4.3, 5.0]\",exact,sun,1,1,1,0.5,0.5,0.5,1,1,2,0.25,0.25,3,\
                         0.25,0.25,0.25,0.125,0.125,0.125,276.3";
         assert!(row.starts_with(expected), "{row}");
