@@ -74,7 +74,7 @@ impl Config {
     }
 
     /// The row of the method table that `numerics.method` names.
-    pub(crate) fn method(&self) -> Result<&'static Method> {
+    fn method(&self) -> Result<&'static Method> {
         let name = &self.settings.numerics.method;
         Method::named(name).ok_or_else(|| {
             let names: Vec<_> = crate::step::METHODS.iter().map(|m| m.name).collect();

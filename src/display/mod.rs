@@ -61,7 +61,7 @@ pub struct Display {
 }
 
 /// Luminance of linear sRGB: the Y row of its matrix to XYZ (IEC 61966-2-1, D65 at .3127, .3290).
-pub(crate) const LUMINANCE: [f32; 3] = [0.212_639, 0.715_168_7, 0.072_192_32];
+const LUMINANCE: [f32; 3] = [0.212_639, 0.715_168_7, 0.072_192_32];
 
 impl Default for Display {
     fn default() -> Self {
@@ -77,10 +77,10 @@ impl Default for Display {
 impl Display {
     /// White over black under Ward's adjustment: what a good display shows in a dim room (Ward et
     /// al. 1997).
-    pub(crate) const CONTRAST: f64 = 100.0;
+    const CONTRAST: f64 = 100.0;
 
     /// Luminance of the display's black. A fixed exposure takes it as none.
-    pub(crate) fn black(&self) -> Nits {
+    fn black(&self) -> Nits {
         match self.tone {
             Tone::Ward(_) => Nits(self.white.0 / Self::CONTRAST),
             Tone::Exposure { .. } => Nits(0.0),

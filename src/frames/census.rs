@@ -9,18 +9,18 @@ use crate::light::{Sample, Tally};
 /// The first sample of a frame that is no number of light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Wild {
-    pub(crate) plane: usize,
-    pub(crate) x: usize,
-    pub(crate) y: usize,
-    pub(crate) value: f32,
+    plane: usize,
+    x: usize,
+    y: usize,
+    value: f32,
 }
 
 /// What a stretch of samples holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Census {
     pub(crate) tally: Tally,
-    pub(crate) largest: f32,
-    pub(crate) first: Option<Wild>,
+    largest: f32,
+    first: Option<Wild>,
 }
 
 impl Census {
@@ -90,12 +90,12 @@ impl Census {
 /// How samples are mended on the way in.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Mending {
-    pub(crate) negative: Negative,
+    negative: Negative,
     /// What stands for infinity, once the frame's largest value is known.
-    pub(crate) infinity: Option<f32>,
+    infinity: Option<f32>,
     /// Whether the largest finite value is looked for, against the day that it must stand for
     /// infinity.
-    pub(crate) measured: bool,
+    measured: bool,
 }
 
 impl Mending {

@@ -17,10 +17,10 @@ use crate::units::Nits;
 
 /// The codes of a picture, row by row and pixel by pixel.
 pub(super) struct Codes {
-    pub(crate) width: usize,
-    pub(crate) height: usize,
+    width: usize,
+    height: usize,
     /// 1 grey, 2 grey and alpha, 3 RGB, 4 RGB and alpha.
-    pub(crate) channels: usize,
+    channels: usize,
     /// The greatest code.
     pub(crate) top: u16,
     pub(crate) samples: Vec<u16>,

@@ -55,13 +55,13 @@ pub(super) struct EnviHeader {
     /// Full width at half maximum of each band, nm; empty where it is not told.
     pub(crate) fwhm: Vec<f64>,
     /// What stored numbers of each band are multiplied by; empty for 1.
-    pub(crate) gains: Vec<f64>,
+    gains: Vec<f64>,
     /// What is added then; empty for 0.
-    pub(crate) offsets: Vec<f64>,
+    offsets: Vec<f64>,
     /// Whether each band is to be trusted (`bbl`); empty where it is not told.
-    pub(crate) good: Vec<bool>,
+    good: Vec<bool>,
     /// The stored number that means no data.
-    pub(crate) ignore: Option<f64>,
+    ignore: Option<f64>,
     pub(crate) notes: Vec<String>,
 }
 

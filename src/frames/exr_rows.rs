@@ -12,7 +12,7 @@ use crate::light::Sample;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Place {
     /// Bytes of the channels before it, per pixel.
-    pub(crate) before: usize,
+    before: usize,
     pub(crate) kind: SampleType,
 }
 

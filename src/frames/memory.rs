@@ -5,7 +5,7 @@ use std::fs::read_to_string;
 /// Bytes that this process can still get: the least of what the system has free, what is left of
 /// the process's address space, and what is left to its control group. `None`: the system does not
 /// tell.
-pub(crate) fn free() -> Option<u64> {
+fn free() -> Option<u64> {
     let read = |path: &str| read_to_string(path).unwrap_or_default();
     let status = read("/proc/self/status");
     let spaces = [

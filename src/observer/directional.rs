@@ -166,7 +166,7 @@ fn nodes(low: f64, high: f64, count: usize) -> Vec<f64> {
 }
 
 /// Lagrange weights of the nodes at a point.
-pub(crate) fn lagrange(nodes: &[f64], at: f64) -> Vec<f64> {
+fn lagrange(nodes: &[f64], at: f64) -> Vec<f64> {
     let weight = |j: usize| {
         nodes
             .iter()

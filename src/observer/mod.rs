@@ -148,7 +148,7 @@ impl Observer {
 
     /// What a catch is divided by for the narrowing: the peak of s_k(.; p), relative to that at p =
     /// 1, or 1.
-    pub(crate) fn own_peak(&self, cone: usize, p: f64) -> f64 {
+    fn own_peak(&self, cone: usize, p: f64) -> f64 {
         match self.narrowing {
             Narrowing::Depleted => 1.0,
             Narrowing::Narrowed if p == 0.0 => f64::MIN_POSITIVE,

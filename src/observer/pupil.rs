@@ -48,7 +48,7 @@ pub struct Adapting {
 }
 
 /// The adapting field of the unified formula, square degrees: 60 degrees across.
-pub(crate) const ADAPTING_FIELD_DEG2: f64 = 2827.0;
+const ADAPTING_FIELD_DEG2: f64 = 2827.0;
 
 impl Rule {
     /// The settled diameter.

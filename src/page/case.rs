@@ -12,24 +12,24 @@ use crate::error::Result;
 #[derive(Clone, Debug, Serialize)]
 pub(crate) struct Case {
     /// What tells it from the others; empty where it is the only one.
-    pub(crate) name: String,
+    name: String,
     /// The picture before anything has bleached.
-    pub(crate) before: Option<String>,
-    pub(crate) frames: Vec<Frame>,
-    pub(crate) probes: Table,
+    before: Option<String>,
+    frames: Vec<Frame>,
+    probes: Table,
 }
 
 /// One frame, at its end.
 #[derive(Clone, Debug, Default, Serialize)]
-pub(crate) struct Frame {
-    pub(crate) frame: u64,
-    pub(crate) time_s: f64,
+struct Frame {
+    frame: u64,
+    time_s: f64,
     /// Name relative to the page; `None` where no picture was written.
-    pub(crate) picture: Option<String>,
+    picture: Option<String>,
     /// Fractions of the picture.
-    pub(crate) gaze: Option<[f64; 2]>,
-    pub(crate) pupil_mm: Option<f64>,
-    pub(crate) adapting_cd_m2: Option<f64>,
+    gaze: Option<[f64; 2]>,
+    pupil_mm: Option<f64>,
+    adapting_cd_m2: Option<f64>,
 }
 
 /// The case of a run's folder, from `trace.csv`, `probes.csv` and the pictures that are there.

@@ -59,7 +59,7 @@ impl Report<'_> {
     ///
     /// # Errors
     /// Data that JSON cannot hold.
-    pub(crate) fn html(&self) -> Result<String> {
+    fn html(&self) -> Result<String> {
         let mut json =
             serde_json::to_value(self).map_err(|e| Error::file(REPORT, e.to_string()))?;
         if let Some(report) = json["report"].as_object_mut() {

@@ -8,7 +8,7 @@ use serde_json::Value;
 use crate::error::{Error, Result};
 
 /// The most frames of a table, and of a report; more are thinned evenly.
-pub(crate) const FRAMES: usize = 2000;
+const FRAMES: usize = 2000;
 
 /// Columns by name, and rows of numbers, texts and null for what is no number.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]

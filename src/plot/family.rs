@@ -19,7 +19,7 @@ const LOWER: f64 = 240.0;
 /// More curves than these cannot be named one by one.
 pub(crate) const MOST_NAMED: usize = 12;
 /// Dashes by which curves of one colour differ.
-pub(crate) const DASHES: [&str; 4] = ["", "9 4", "2 3", "9 3 2 3"];
+const DASHES: [&str; 4] = ["", "9 4", "2 3", "9 3 2 3"];
 
 /// A case of the family: its name, where it stands among the others, and the rows of one probe.
 pub(crate) struct Member {

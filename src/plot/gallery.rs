@@ -22,7 +22,7 @@ const LINE: usize = 50;
 /// More pictures than this side by side could not be told apart on a page.
 pub(crate) const MOST_ACROSS: usize = 12;
 /// Rows of pictures on a page.
-pub(crate) const MOST_ROWS: usize = 40;
+const MOST_ROWS: usize = 40;
 
 /// A picture: width and height, and its rows from the top, 8-bit sRGB.
 #[derive(Clone, Copy)]

@@ -27,18 +27,18 @@ use crate::units::Seconds;
 /// An eye that watches a scene, with everything that a run carries from frame to frame.
 pub(crate) struct Watching {
     pub(crate) eye: Eye,
-    pub(crate) gaze: Gaze,
+    gaze: Gaze,
     /// The frames that have pictures, if not all.
     range: Option<Vec<u32>>,
     pub(crate) probes: Vec<Probe>,
     /// The display window among the pixels of a frame.
     pub(crate) window: Window,
-    pub(crate) display: Option<Display>,
+    display: Option<Display>,
     /// Whether display pictures show the gaze and the time.
-    pub(crate) marks: bool,
-    pub(crate) map: Option<Arc<ToneMap>>,
+    marks: bool,
+    map: Option<Arc<ToneMap>>,
     pub(crate) counters: Counters,
-    pub(crate) state: StateKey,
+    state: StateKey,
     pub(crate) config: Value,
     pub(crate) done: usize,
     /// Spent so far, but for what the writer spends meanwhile.
@@ -263,7 +263,7 @@ impl Watching {
     }
 
     /// Takes note of what a look met.
-    pub(crate) fn meet(&mut self, look: &Look, step: &Step) {
+    fn meet(&mut self, look: &Look, step: &Step) {
         let [width, height] = self.eye.retina().size();
         self.counters.meet(step.end, &look.stats, width * height);
         if self.counters.method_past_limit.is_none() {

@@ -21,11 +21,11 @@ pub(crate) enum Gaze {
 #[derive(Clone, Debug, PartialEq)]
 pub struct GazePath {
     /// Points stand at numbers of frames instead of times, s.
-    pub(crate) by_frame: bool,
+    by_frame: bool,
     /// Places are pixels, their centres at integers, instead of fractions of width and height.
-    pub(crate) in_pixels: bool,
+    in_pixels: bool,
     /// Each point is held from the one before until its own time.
-    pub(crate) held: bool,
+    held: bool,
     pub points: Vec<(f64, [f64; 2])>,
 }
 

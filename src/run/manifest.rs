@@ -28,13 +28,13 @@ pub(crate) enum Kind {
 pub(crate) struct Manifest {
     pub(crate) kind: Kind,
     /// Of the program.
-    pub(crate) version: String,
+    version: String,
     /// The resolved configuration.
     pub(crate) config: Value,
     /// Files that are made once.
     pub(crate) files: BTreeSet<String>,
     /// Numbers of the frames that have pictures: first and last of each run of them.
-    pub(crate) frames: Vec<[u32; 2]>,
+    frames: Vec<[u32; 2]>,
 }
 
 impl Manifest {
@@ -72,7 +72,7 @@ impl Manifest {
     }
 
     /// Whether a name is one of those that it names, or of a file that a killed process was still writing.
-    pub(crate) fn names(&self, name: &str) -> bool {
+    fn names(&self, name: &str) -> bool {
         let among = |n: u32| self.frames.iter().any(|&[first, last]| (first..=last).contains(&n));
         self.files.contains(name) || frame_number(name).is_some_and(among) || is_temporary(name)
     }

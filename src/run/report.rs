@@ -59,7 +59,7 @@ impl Counters {
     }
 
     /// One sentence on bad frames; `None` if there were none.
-    pub(crate) fn bad_frames(&self) -> Option<String> {
+    fn bad_frames(&self) -> Option<String> {
         let mut parts = Vec::new();
         if !self.mended_frames.is_empty() {
             let (nan, infinite) = (self.nan, self.infinite);

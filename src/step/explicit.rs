@@ -10,9 +10,9 @@ use crate::units::Seconds;
 
 /// Coefficients of an explicit Runge-Kutta method; c_i is the sum of row a_i.
 pub(crate) struct Explicit<const S: usize> {
-    pub(crate) a: [[f64; S]; S],
+    a: [[f64; S]; S],
     pub(crate) b: [f64; S],
-    pub(crate) c: [f64; S],
+    c: [f64; S],
 }
 
 /// The slopes k_i of one step.

@@ -97,7 +97,7 @@ impl Method {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PastLimit {
     pub(crate) h_lambda: f64,
-    pub(crate) limit: f64,
+    limit: f64,
 }
 
 impl std::fmt::Display for PastLimit {

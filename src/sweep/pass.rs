@@ -11,10 +11,10 @@ use crate::units::Seconds;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Span {
     pub(crate) file: usize,
-    pub(crate) start: f64,
+    start: f64,
     pub(crate) end: f64,
     /// The frame that it is of.
-    pub(crate) number: u32,
+    number: u32,
     pub(crate) cell: Option<usize>,
 }
 

@@ -31,9 +31,9 @@ pub(crate) enum Durations {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Spaced {
-    pub(crate) from: f64,
-    pub(crate) to: f64,
-    pub(crate) count: usize,
+    from: f64,
+    to: f64,
+    count: usize,
 }
 
 /// `[[sweep.vary]]`.
