@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use serde_json::{Value, json};
 use sungaze::config::Config;
 use sungaze::frames::{self, About, Compression};
-use sungaze::light::{Planes, Samples};
+use sungaze::light::{Planes, Samples, Window};
 use sungaze::run::{self, Unwatched};
 use sungaze::units::Nits;
 use sungaze::view::{self, Live};
@@ -115,15 +115,22 @@ fn replays(mut live: Live) {
         let shown = live.picture(false);
         let seen = out.join(format!("seen.{:04}.exr", i + 1));
         let (seen, _) = frames::read_exr(&seen, &["R", "G", "B"], 1 << 20).unwrap();
-        assert_eq!(bits(&seen), bits(&shown.percept), "look {i}");
+        let percept = &shown.percept;
+        let size = [percept.width, percept.height];
+        let corner = if size == [seen.width, seen.height] { [0; 2] } else { CORNER };
+        let bits = |planes: &Planes, corner| bits(planes, Window { corner, size });
+        assert_eq!(bits(&seen, corner), bits(percept, [0; 2]), "look {i}");
         let display = std::fs::read(out.join(format!("display.{:04}.png", i + 1))).unwrap();
         assert!(frames::decode_png(&display).unwrap().2 == shown.srgb(), "look {i}");
     }
     assert_eq!(rows.next(), None);
 }
 
-fn bits(planes: &Planes) -> Vec<u64> {
-    let pixels = (0..planes.height).flat_map(|y| (0..planes.width).map(move |x| (x, y)));
+fn bits(
+    planes: &Planes,
+    Window { corner: [left, top], size: [width, height] }: Window,
+) -> Vec<u64> {
+    let pixels = (top..top + height).flat_map(|y| (left..left + width).map(move |x| (x, y)));
     pixels.flat_map(|(x, y)| (0..3).map(move |k| planes.at(x, y, k).to_bits())).collect()
 }
 
@@ -137,6 +144,20 @@ fn sequence(folder: &Path) {
         let about = About { white: Some(Nits(1000.0)), ..About::default() };
         frames::write_exr(&path, &["R", "G", "B"], &planes, Compression::None, &about).unwrap();
     }
+}
+
+/// Where the plate's display window begins among its pixels.
+const CORNER: [usize; 2] = [6, 4];
+
+/// A still of 24 x 16 pixels whose display window is 12 x 8 of them; a lamp stands outside of it.
+fn plate(folder: &Path) {
+    use exr::prelude::*;
+    let light = |Vec2(x, y): Vec2<usize>| if x < 3 && y < 3 { 900.0 } else { 0.1 * x as f32 };
+    let colours = SpecificChannels::rgb(|at: Vec2<usize>| (light(at), 0.5 * light(at), 0.2f32));
+    let mut image = Image::from_channels((24, 16), colours);
+    image.layer_data.attributes.layer_position = Vec2(4, 16);
+    image.attributes.display_window = IntegerBounds::new((10, 20), (12, 8));
+    image.write().to_file(folder.join("plate.exr")).unwrap();
 }
 
 /// Ways to show the lamp, and when each is over, s.
@@ -178,6 +199,18 @@ proptest! {
         prop_assert!(live.now() <= over + 1e-9, "a sequence has an end");
         replays(live);
     }
+}
+
+#[test]
+fn a_visit_of_a_plate_with_overscan_is_replayed_and_shows_its_display_window() {
+    let folder = tempfile::tempdir().unwrap();
+    plate(folder.path());
+    let toml = "[input]\nframes = 'plate.exr'\nhorizontal_fov_deg = 8.0\nwhite_cd_m2 = 2000.0\n";
+    let deeds = [Deed::Look([0.1, 0.2], 900), Deed::Drag([0.1, 0.2], [0.9, 0.8], 5)];
+    let live = lived(toml, folder.path(), &deeds);
+    let shown = live.picture(false);
+    assert_eq!((shown.percept.width, shown.percept.height), (12, 8));
+    replays(live);
 }
 
 #[test]

@@ -3,6 +3,8 @@
 use std::fs::File;
 use std::io::{BufWriter, Seek, Write};
 use std::path::{Path, PathBuf};
+use std::sync::mpsc::{SyncSender, sync_channel};
+use std::thread::JoinHandle;
 
 use rayon::prelude::*;
 use tempfile::NamedTempFile;
@@ -35,15 +37,58 @@ pub(crate) fn write_lasting(
 
 /// Sees to it that written files survive a power cut. Files that are gone are passed over.
 pub(crate) fn sync_all(paths: &[PathBuf]) -> Result<()> {
-    let sync = |path: &PathBuf| match File::options().write(true).open(path) {
-        Err(gone) if gone.kind() == std::io::ErrorKind::NotFound => Ok(()),
-        opened => opened.and_then(|file| file.sync_all()).map_err(Error::io(path, "write")),
-    };
-    paths.par_iter().try_for_each(sync)?;
+    paths.par_iter().try_for_each(|path| sync(path))?;
     if let Some(path) = paths.first() {
         sync_folder(folder_of(path));
     }
     Ok(())
+}
+
+fn sync(path: &Path) -> Result<()> {
+    match File::options().write(true).open(path) {
+        Err(gone) if gone.kind() == std::io::ErrorKind::NotFound => Ok(()),
+        opened => opened.and_then(|file| file.sync_all()).map_err(Error::io(path, "write")),
+    }
+}
+
+/// The same behind whoever writes the files, who seldom has to wait for the disk then.
+pub(crate) struct Syncing {
+    paths: SyncSender<PathBuf>,
+    thread: JoinHandle<Result<()>>,
+}
+
+/// Files that may wait for the disk.
+const BACKLOG: usize = 64;
+
+impl Syncing {
+    /// # Errors
+    /// There is no thread to be had.
+    pub(crate) fn begin() -> Result<Syncing> {
+        let (paths, written) = sync_channel::<PathBuf>(BACKLOG);
+        let each = move || written.into_iter().try_for_each(|path| sync(&path));
+        let thread =
+            std::thread::Builder::new().spawn(each).map_err(Error::io("a thread", "start"))?;
+        Ok(Syncing { paths, thread })
+    }
+
+    /// Takes files on.
+    pub(crate) fn extend(&self, paths: impl IntoIterator<Item = PathBuf>) {
+        for path in paths {
+            // A thread that has ended says why when it is asked.
+            let _ = self.paths.send(path);
+        }
+    }
+
+    /// Waits until all files that were taken on survive a power cut, their names in `folder` too.
+    ///
+    /// # Errors
+    /// One cannot be written after all.
+    pub(crate) fn end(self, folder: &Path) -> Result<()> {
+        drop(self.paths);
+        self.thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+        sync_folder(folder);
+        Ok(())
+    }
 }
 
 /// The same for the names in a folder, as far as the system can.

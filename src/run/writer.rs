@@ -13,7 +13,8 @@ use rayon::prelude::*;
 
 use crate::display::{Display, ToneMap};
 use crate::error::{Error, Result};
-use crate::frames::{self, About, Compression, Footage, atomic};
+use crate::frames::atomic::Syncing;
+use crate::frames::{self, About, Compression, Footage};
 use crate::light::{Planes, Samples, Window, narrow};
 use crate::plot::marks::Marks;
 use crate::run::checkpoint::Checkpoint;
@@ -22,8 +23,6 @@ use crate::run::watch::Watch;
 
 /// Samples that one thread turns into halves at a time.
 const RUN: usize = 1 << 16;
-/// Files that may wait to be synced together.
-const MOST_UNSYNCED: usize = 1000;
 
 /// What goes from the eye to the disk.
 pub(crate) enum Delivery {
@@ -167,12 +166,12 @@ impl Writer<'_> {
     ) -> Result<Timing> {
         let mut spent = Timing::default();
         // What a checkpoint or the report counts on must survive a power cut.
-        let mut unsynced = Vec::new();
+        let mut syncing = Syncing::begin()?;
         for delivery in from_eye {
             match delivery {
-                Delivery::Start(frame) => unsynced.extend(self.write(&frame, &mut spent)?),
+                Delivery::Start(frame) => syncing.extend(self.write(&frame, &mut spent)?),
                 Delivery::Frame(frame) => {
-                    unsynced.extend(self.write(&frame, &mut spent)?);
+                    syncing.extend(self.write(&frame, &mut spent)?);
                     tables.append(&frame.trace, &frame.probes)?;
                     // A full queue only means that the planes are dropped here.
                     let _ = give_back.try_send(frame.seen);
@@ -180,17 +179,14 @@ impl Writer<'_> {
                     watch.frames(done, total);
                 }
                 Delivery::Checkpoint(mut checkpoint) => {
-                    atomic::sync_all(&std::mem::take(&mut unsynced))?;
+                    std::mem::replace(&mut syncing, Syncing::begin()?).end(self.folder)?;
                     checkpoint.lengths = tables.lengths()?;
                     checkpoint.timing.add(&spent);
                     checkpoint.write(self.folder)?
                 }
             }
-            if unsynced.len() > MOST_UNSYNCED {
-                atomic::sync_all(&std::mem::take(&mut unsynced))?;
-            }
         }
-        atomic::sync_all(&unsynced)?;
+        syncing.end(self.folder)?;
         tables.lengths()?;
         Ok(spent)
     }
