@@ -54,12 +54,12 @@
 //! | [`light`] | planes, rows and tiles of a frame, its luminances | |
 //! | `constants` | published constants by name | a row |
 //! | [`observer`] | fundamentals, pupil, Stiles-Crawford effect | a pupil formula: a variant of [`observer::Rule`] |
-//! | [`kinetics`] | the laws, as two rates | a variant of [`kinetics::Law`] |
+//! | [`kinetics`] | the laws, as two rates | a variant of [`kinetics::Law`], in its `NAMES` |
 //! | [`step`] | the methods, as pure functions with a row of theory each | one function and one row of [`step::METHODS`] |
 //! | [`kernel`] | loops on plain arrays: the only room where speed is written, and `unsafe` allowed | |
 //! | [`vision`] | one linear operator: projections of light, illuminance, catches; the scalar truth | |
 //! | [`optics`] | light scattered in the eye: point spread functions, their Gaussians on a pyramid, the certificate | a function: a variant of [`optics::Psf`] |
-//! | [`eye`] | the core: an eye in time, its stages, retina, plan and check | a stage: its file, a line in `stages.rs`, its keys |
+//! | [`eye`] | the core: an eye in time, its stages, retina, plan and check | a stage: its file, its place in `stages.rs` or, within a tile, `percept.rs`, a setter in `builder.rs`, which `run::eye_for` calls with its key |
 //! | [`display`] | tone reproduction, gamut, encoding | |
 //! | [`frames`] | files in and out, the built-in scene | a format: a file with a `FORMAT`, and two lines in `frames/mod.rs` |
 //! | `plot` | figures: axes, palette, lines and words, as SVG and PNG | |

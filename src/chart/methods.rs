@@ -37,12 +37,15 @@ pub(super) fn drawn() -> Vec<&'static str> {
     METHODS.iter().map(|method| method.name).filter(|name| !HIDDEN.contains(name)).collect()
 }
 
-/// Names and marks of the drawn methods, in two rows.
-pub(super) fn key(sheet: &mut Sheet, top: f64) {
-    for (i, name) in drawn().into_iter().enumerate() {
+/// Names and marks of the drawn methods, in rows of six; returns where they end.
+pub(super) fn key(sheet: &mut Sheet, top: f64) -> f64 {
+    let names = drawn();
+    let below = top + 24.0 * names.len().div_ceil(6) as f64;
+    for (i, name) in names.into_iter().enumerate() {
         let at = (60.0 + 158.0 * (i % 6) as f64, top + 24.0 * (i / 6) as f64);
         let (ink, marker) = of_method(name);
         sheet.mark(at, marker, if marker == Marker::Star { 6.0 } else { 4.6 }, ink);
         sheet.text((at.0 + 11.0, at.1 + 5.0), name, 14, Anchor::Start, BLACK);
     }
+    below
 }

@@ -35,16 +35,20 @@ const VIEWS: [View; 6] = [
 /// From one column to the next, and from one row.
 const PITCH: [f64; 2] = [500.0, 318.0];
 
+/// Height of the sheet below the key.
+const HEIGHT: f64 = 1076.0;
+
 pub(super) fn drawn(points: &[Point]) -> Sheet {
-    let mut sheet = Sheet::new(1000.0, 1180.0);
+    let rows = methods().len().div_ceil(6) as f64;
+    let mut sheet = Sheet::new(1000.0, 56.0 + 24.0 * rows + HEIGHT);
     let title = "Work against precision: left and low is good";
     sheet.bold((500.0, 28.0), title, 20, Anchor::Middle, BLACK);
-    key(&mut sheet, 56.0);
+    let top = key(&mut sheet, 56.0) + 32.0;
     for (i, view) in VIEWS.iter().enumerate() {
-        let at = (76.0 + PITCH[0] * (i % 2) as f64, 136.0 + PITCH[1] * (i / 2) as f64);
+        let at = (76.0 + PITCH[0] * (i % 2) as f64, top + PITCH[1] * (i / 2) as f64);
         draw_view(&mut sheet, view, points, at);
     }
-    notes(&mut sheet, 136.0 + 3.0 * PITCH[1] - 10.0);
+    notes(&mut sheet, top + 3.0 * PITCH[1] - 10.0);
     sheet
 }
 

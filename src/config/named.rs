@@ -103,11 +103,7 @@ impl Named for Reading {
 
 /// `observer.kinetics`.
 impl Named for Law {
-    const NAMES: &[(&str, Self)] = &[
-        ("first-order", Law::FirstOrder),
-        ("self-screened", Law::SelfScreened { density: 0.0, norm: 0.0 }),
-        ("rate-limited", Law::RateLimited { km: 0.0 }),
-    ];
+    const NAMES: &[(&str, Self)] = &Law::NAMES;
 }
 
 /// `display.tone`.

@@ -6,7 +6,7 @@ use crate::eye::pigment::Model;
 use crate::eye::plan;
 use crate::frames::builtin::Sunset;
 use crate::frames::{ChannelNames, Compression, ReadOptions, Sequence, Transfer};
-use crate::kinetics::{Kinetics, Law};
+use crate::kinetics::Kinetics;
 use crate::observer::{Directional, Dynamics, Field, Observer, Reading, Rule, Set};
 use crate::optics::Scatter;
 use crate::step::Method;
@@ -63,11 +63,7 @@ impl Config {
     pub fn pigments(&self) -> [Kinetics; 3] {
         let o = &self.settings.observer;
         [0, 1, 2].map(|k| Kinetics {
-            law: match o.kinetics {
-                Law::FirstOrder => Law::FirstOrder,
-                Law::SelfScreened { .. } => Law::self_screened(self.density()[k]),
-                Law::RateLimited { .. } => Law::RateLimited { km: o.km },
-            },
+            law: o.kinetics.with(self.density()[k], o.km),
             half_bleach: Trolands(10f64.powf(o.half_bleach_log_td[k])),
             tau: Seconds(o.tau_s[k]),
         })
