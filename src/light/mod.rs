@@ -18,6 +18,7 @@ use std::ops::Range;
 
 use half::f16;
 use ndarray::{ArrayView3, Axis};
+use serde::{Deserialize, Serialize};
 
 pub(crate) use halves::narrow;
 pub use halves::widen;
@@ -278,7 +279,7 @@ impl Sample for f16 {
 }
 
 /// What a frame's samples had wrong with them, counted before any policy mended it.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Tally {
     pub nan: u64,
     pub infinite: u64,

@@ -13,10 +13,8 @@ use crate::observer::CONES;
 /// What a run has met so far; part of a checkpoint.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Counters {
-    pub(crate) nan: u64,
-    pub(crate) infinite: u64,
-    pub(crate) negative: u64,
-    pub(crate) clipped: u64,
+    /// What was wrong with samples, over all frames.
+    pub(crate) tally: Tally,
     /// Frames with NaN or Inf that a policy let go on.
     pub(crate) mended_frames: Vec<u32>,
     /// Frames that had no file and showed the one before.
@@ -34,10 +32,7 @@ pub(crate) struct Counters {
 impl Counters {
     /// Adds what was wrong with one frame's samples.
     pub(crate) fn count(&mut self, frame: u32, tally: Tally) {
-        self.nan += tally.nan;
-        self.infinite += tally.infinite;
-        self.negative += tally.negative;
-        self.clipped += tally.clipped;
+        self.tally = self.tally.plus(tally);
         if tally.non_finite() > 0 {
             self.mended_frames.push(frame);
         }
@@ -62,7 +57,7 @@ impl Counters {
     fn bad_frames(&self) -> Option<String> {
         let mut parts = Vec::new();
         if !self.mended_frames.is_empty() {
-            let (nan, infinite) = (self.nan, self.infinite);
+            let (nan, infinite) = (self.tally.nan, self.tally.infinite);
             parts.push(format!(
                 "{nan} NaN and {infinite} infinite samples replaced in {}",
                 frames(&self.mended_frames)
@@ -74,8 +69,8 @@ impl Counters {
                 frames(&self.held_frames)
             ));
         }
-        if self.negative > 0 {
-            parts.push(format!("{} negative samples met", self.negative));
+        if self.tally.negative > 0 {
+            parts.push(format!("{} negative samples met", self.tally.negative));
         }
         (!parts.is_empty()).then(|| parts.join("; "))
     }
@@ -83,10 +78,10 @@ impl Counters {
     /// Every warning, one sentence each.
     pub(crate) fn warnings(&self) -> Vec<String> {
         let mut warnings: Vec<String> = self.bad_frames().into_iter().collect();
-        if self.clipped > 0 {
+        if self.tally.clipped > 0 {
             warnings.push(format!(
                 "{} samples stand at the top of a display-referred picture: the light there, such as the sun, is cut off",
-                self.clipped
+                self.tally.clipped
             ));
         }
         if self.limited > 0 {
