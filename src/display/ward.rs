@@ -28,20 +28,12 @@ const TOLERANCE: f64 = 0.025;
 /// Passes of smoothing. A halo holds few cells: counted as they are, they would draw contours into it.
 const PASSES: usize = 3;
 
-/// The map of one frame.
+/// The map of one frame, with ln of the display's black and white.
 #[derive(Clone, Debug)]
-pub(super) struct Adjustment {
-    ceiling: Ceiling,
-    /// ln of the display's black and white.
-    display: (f64, f64),
-    shape: Shape,
-}
-
-#[derive(Clone, Debug)]
-enum Shape {
+pub(super) enum Adjustment {
     /// Display luminance is world luminance times e to this, up to white.
-    Scale(f64),
-    Histogram(Histogram),
+    Scale(f64, (f64, f64)),
+    Histogram(Histogram, (f64, f64)),
 }
 
 impl Adjustment {
@@ -58,69 +50,66 @@ impl Adjustment {
         passes: usize,
     ) -> Self {
         let display = (black.0.ln(), white.0.ln());
-        let adjustment = |shape| Adjustment { ceiling, display, shape };
         if survey.greatest <= 0.0 {
-            return adjustment(Shape::Scale(0.0));
+            return Adjustment::Scale(0.0, display);
         }
         let fits = f64::from(survey.greatest) / f64::from(survey.least) <= white.0 / black.0;
-        let trimmed = if fits {
-            None
-        } else {
-            adjustment(Shape::Histogram(Histogram::new(survey, passes))).trimmed()
-        };
-        trimmed.unwrap_or_else(|| {
-            let bright = fits && survey.greatest >= white.0 as f32;
-            let one =
-                if bright { at_white(survey, display) } else { scale(survey, ceiling, display) };
-            adjustment(Shape::Scale(one))
-        })
+        let trimmed =
+            if fits { None } else { trimmed(Histogram::new(survey, passes), ceiling, display) };
+        if let Some(histogram) = trimmed {
+            return Adjustment::Histogram(histogram, display);
+        }
+        let bright = fits && survey.greatest >= white.0 as f32;
+        let one = if bright { at_white(survey, display) } else { scale(survey, ceiling, display) };
+        Adjustment::Scale(one, display)
     }
 
-    /// ln display luminance of a ln world luminance. Below the range it goes on in proportion,
-    /// above it is white.
+    /// ln display luminance of a ln world luminance.
     pub(crate) fn ln_display(&self, ln_world: f64) -> f64 {
-        let (black, white) = self.display;
-        match &self.shape {
-            Shape::Scale(ln_scale) => (ln_world + ln_scale).min(white),
-            Shape::Histogram(h) if ln_world < h.bottom => black + ln_world - h.bottom,
-            Shape::Histogram(h) => black + (white - black) * h.share_below(ln_world),
+        match self {
+            Adjustment::Scale(ln_scale, (_, white)) => (ln_world + ln_scale).min(*white),
+            Adjustment::Histogram(histogram, display) => equalised(histogram, *display, ln_world),
         }
     }
+}
 
-    /// Trims the histogram to its ceiling; `None` when next to nothing is left of it.
-    fn trimmed(mut self) -> Option<Self> {
-        let Shape::Histogram(first) = &self.shape else { return None };
-        let first_total = first.total();
-        loop {
-            let Shape::Histogram(current) = &self.shape else { return None };
-            let total = current.total();
-            if total <= TOLERANCE * first_total {
-                return None;
-            }
-            let within: Vec<f64> = current
-                .counts
-                .iter()
-                .enumerate()
-                .map(|(i, f)| f.min(self.most(current, i, total)))
-                .collect();
-            let left: f64 = within.iter().sum();
-            if total - left <= TOLERANCE * total {
-                return Some(self);
-            }
-            self.shape = Shape::Histogram(current.with(within));
-        }
+/// ln display luminance by a histogram. Below its range it goes on in proportion, above it is white.
+fn equalised(histogram: &Histogram, (black, white): (f64, f64), ln_world: f64) -> f64 {
+    if ln_world < histogram.bottom {
+        black + ln_world - histogram.bottom
+    } else {
+        black + (white - black) * histogram.share_below(ln_world)
     }
+}
 
-    /// The most that bin `i` may hold.
-    fn most(&self, histogram: &Histogram, i: usize, total: f64) -> f64 {
-        let linear = total * histogram.bin / (self.display.1 - self.display.0);
-        match self.ceiling {
-            Ceiling::Linear => linear,
-            Ceiling::Human => {
-                let centre = histogram.bottom + histogram.bin * (i as f64 + 0.5);
-                let (world, display) = (centre.exp(), self.ln_display(centre).exp());
-                linear * (threshold(display) / display) / (threshold(world) / world)
-            }
+/// A histogram trimmed to its ceiling; `None` when next to nothing is left of it.
+fn trimmed(mut histogram: Histogram, ceiling: Ceiling, display: (f64, f64)) -> Option<Histogram> {
+    let first_total = histogram.total();
+    loop {
+        let total = histogram.total();
+        if total <= TOLERANCE * first_total {
+            return None;
+        }
+        let most = |i: usize| most(&histogram, ceiling, display, i, total);
+        let within: Vec<f64> =
+            histogram.counts.iter().enumerate().map(|(i, f)| f.min(most(i))).collect();
+        let left: f64 = within.iter().sum();
+        if total - left <= TOLERANCE * total {
+            return Some(histogram);
+        }
+        histogram = histogram.with(within);
+    }
+}
+
+/// The most that bin `i` may hold.
+fn most(histogram: &Histogram, ceiling: Ceiling, display: (f64, f64), i: usize, total: f64) -> f64 {
+    let linear = total * histogram.bin / (display.1 - display.0);
+    match ceiling {
+        Ceiling::Linear => linear,
+        Ceiling::Human => {
+            let centre = histogram.bottom + histogram.bin * (i as f64 + 0.5);
+            let shown = equalised(histogram, display, centre).exp();
+            linear * (threshold(shown) / shown) / (threshold(centre.exp()) / centre.exp())
         }
     }
 }
