@@ -1,5 +1,5 @@
-//! Pixels by the block: arithmetic on whole planes, which compilers vectorise, between two passes
-//! of table look-ups.
+//! Pixels by the block: arithmetic on whole planes, which compilers vectorise, around one pass of
+//! look-ups in the tone map's table.
 
 use pulp::{Simd, WithSimd};
 

@@ -1,5 +1,6 @@
 //! Half floats to single ones and back, whole runs at once, in integers that every processor has
-//! vectors for. Rounding is to nearest, ties to even.
+//! vectors for, or by the processor itself where it takes sixteen. Rounding is to nearest, ties to
+//! even.
 
 use half::f16;
 use pulp::{Arch, Simd, WithSimd};
